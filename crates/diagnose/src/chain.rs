@@ -253,7 +253,7 @@ impl<'a> Bench<'a> {
         out.resize(self.data.command.len(), 0.0);
         let Some(node) = self.chain.nodes.get(k) else { return Err(Failed) };
         if let Node::Component(component) = node {
-            return component.run(theta, self.data.step, &mut self.signals(x, out));
+            return component.run(theta, self.data.step, &mut self.signals(component, x, out));
         }
         let (parameters, step) = (&self.chain.parameters, self.data.step);
         if let Node::Block { block, takes, aux, of_command } = node {
@@ -312,14 +312,20 @@ impl<'a> Bench<'a> {
     }
 
     /// Input, command and output of each record.
-    fn signals<'s>(&'s self, x: &'s [f64], out: &'s mut [f64]) -> Vec<Record<'s>> {
+    fn signals<'s>(
+        &'s self,
+        component: &ComponentNode,
+        x: &'s [f64],
+        out: &'s mut [f64],
+    ) -> Vec<Record<'s>> {
+        let count = if component.reads_command { 2 } else { 1 };
         let (mut rest, mut at) = (out, 0);
         let mut records = Vec::with_capacity(self.data.records.len());
         for (_, range) in self.ranges() {
             let (out, behind) = rest[range.start - at..].split_at_mut(range.len());
             (rest, at) = (behind, range.end);
             let inputs = [&x[range.clone()], &self.data.command[range]];
-            records.push(Record { inputs, count: 2, out, state: Vec::new() });
+            records.push(Record { inputs, count, out, state: Vec::new() });
         }
         records
     }
@@ -354,7 +360,6 @@ impl ComponentNode {
 
     /// Runs records side by side.
     fn run(&self, theta: &[f64], step: f64, records: &mut [Record<'_>]) -> Result<(), Failed> {
-        let count = if self.reads_command { 2 } else { 1 };
         let component = &self.component;
         let sizes = component.sizes(&self.structure, step);
         let mut coefficients = vec![0.0; sizes.coefficients];
@@ -363,10 +368,10 @@ impl ComponentNode {
         component.prepare(&self.structure, &values, step, &mut coefficients).map_err(|_| Failed)?;
         for records in records.chunks_mut(Thresholds::ABREAST) {
             for record in &mut *records {
-                record.count = count;
                 record.state.resize(sizes.states, 0.0);
                 let first = record.inputs.map(|signal| signal[0]);
-                component.rest(&coefficients, &first[..count], &mut record.state, &mut outputs);
+                let first = &first[..record.count];
+                component.rest(&coefficients, first, &mut record.state, &mut outputs);
                 record.out[0] = outputs.first().copied().unwrap_or(f64::NAN);
             }
             // Shorter records end first.

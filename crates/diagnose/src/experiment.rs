@@ -58,7 +58,8 @@ pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
         }
         _ => return None,
     };
-    let item = menu(o, longest(o), 1.0).into_iter().next()?;
+    let steep = steepest(&o.task.data);
+    let item = menu(o, longest(o), (steep, steep)).into_iter().next()?;
     Some(experiment(o, item, sentence.to_owned(), Vec::new(), None))
 }
 
@@ -103,15 +104,22 @@ fn separate(
     let known: usize = o.task.data.records.iter().map(|r| r.rows.len()).sum();
     let (mut best, mut highest): (Option<(Vec<f64>, Item)>, _) = (None, (f64::NEG_INFINITY, 0.0));
     // A longer signal where the logs' length is too short, and a steeper one where only speed tells them apart.
-    let all = Thresholds::EXPERIMENT_STEEPER.into_iter().flat_map(|steeper| {
-        [longest(o), Thresholds::EXPERIMENT_ROWS].map(move |rows| (rows, steeper))
+    let steep = steepest(&o.task.data);
+    let limits = Thresholds::EXPERIMENT_STEEPER.map(|steeper| steeper * steep);
+    let tried = [None].into_iter().chain(limits.map(Some));
+    let all = tried.zip(limits).flat_map(|(tried, limit)| {
+        [longest(o), Thresholds::EXPERIMENT_ROWS].map(move |rows| (rows, tried, limit))
     });
-    for (rows, steeper) in all {
+    for (rows, tried, limit) in all {
         if highest.0 >= 0.0 {
             break;
         }
         let enough = wanted * (known + rows) as f64;
-        for item in menu(o, rows, steeper) {
+        for item in menu(o, rows, (steep, limit)) {
+            // A signal that the last limit did not change is the same again.
+            if tried.is_some_and(|tried| item.steepest(o.task.data.sample_time) <= tried) {
+                continue;
+            }
             let Some((gains, gap)) = gains(o, a, rivals, &item) else { continue };
             let seen = gap * (wanted / (o.adequate - 1.0)).min(1.0);
             // The product: one that is far off makes up for none that is near.
@@ -261,9 +269,9 @@ pub(crate) fn csv(o: &Outcome, next: &NextExperiment) -> Option<String> {
     Some(text)
 }
 
-/// Signals within the range of the command that the logs used, and of the machine, at most so many times as steep
-/// as the logs.
-fn menu(o: &Outcome, n: usize, steeper: f64) -> Vec<Item> {
+/// Signals within the range of the command that the logs used, and of the machine, of the steepness of the logs and the
+/// greatest that may be, per second.
+fn menu(o: &Outcome, n: usize, (known, steepest): (f64, f64)) -> Vec<Item> {
     let data = &o.task.data;
     let sample = data.sample_time;
     let (min, max) = o.task.command_range;
@@ -287,8 +295,6 @@ fn menu(o: &Outcome, n: usize, steeper: f64) -> Vec<Item> {
         let command = multisine(n, sample, (from, to), (centre, part * half), 2024);
         all.push(Item { name, command });
     }
-    let known = steepest(data);
-    let steepest = steeper * known;
     // Triangles as steep as may be: much speed and many turns.
     let steep = [0.95, 0.5, 0.2, 0.05, 0.02].map(|part| {
         let periods = (steepest * length / (4.0 * part * half.max(f64::MIN_POSITIVE))).floor();

@@ -44,6 +44,20 @@ pub enum Broken {
     Said(String),
 }
 
+/// One exchange. After one whose answer did not come in time the late answer is awaited first (`settle`), so that it is not
+/// taken for that of the next question.
+pub(super) fn in_turn<S, T>(
+    is_late: &mut bool,
+    speaker: &mut S,
+    settle: impl FnOnce(&mut S) -> Result<(), Broken>,
+    exchange: impl FnOnce(&mut S) -> Result<T, Broken>,
+) -> Result<T, Broken> {
+    let settled = if *is_late { settle(speaker) } else { Ok(()) };
+    let answer = settled.and_then(|()| exchange(speaker));
+    *is_late = matches!(answer, Err(Broken::Late | Broken::Garbage(_)));
+    answer
+}
+
 /// What the address may say behind `?`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -177,4 +191,56 @@ impl Line for NoLine {
     }
 
     fn close(&mut self) {}
+}
+
+#[cfg(test)]
+pub(super) mod slow {
+    use super::*;
+    use std::collections::VecDeque;
+
+    /// An instrument whose answers to some questions come only when more has been asked.
+    #[derive(Debug)]
+    pub(in crate::gateway) struct Slow {
+        answers: VecDeque<(usize, String)>,
+        late: usize,
+        says: fn(&str) -> Option<String>,
+        is_slow: fn(&str) -> bool,
+    }
+
+    impl Slow {
+        /// It `says` what answers a question, and answers slow ones after so many reads in vain.
+        pub(in crate::gateway) fn new(
+            late: usize,
+            says: fn(&str) -> Option<String>,
+            is_slow: fn(&str) -> bool,
+        ) -> Box<Self> {
+            Box::new(Self { answers: VecDeque::new(), late, says, is_slow })
+        }
+    }
+
+    impl Line for Slow {
+        fn open(&mut self, _: Duration) -> Result<(), String> {
+            Ok(())
+        }
+
+        fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
+            let question = std::str::from_utf8(bytes).unwrap().trim();
+            let waits = if (self.is_slow)(question) { self.late } else { 0 };
+            self.answers.extend((self.says)(question).map(|answer| (waits, answer)));
+            Ok(())
+        }
+
+        fn read(&mut self, bytes: &mut [u8], _: Duration) -> Result<usize, String> {
+            let Some((waits, _)) = self.answers.front_mut() else { return Ok(0) };
+            if *waits > 0 {
+                *waits -= 1;
+                return Ok(0);
+            }
+            let (_, answer) = self.answers.pop_front().unwrap_or_default();
+            bytes[..answer.len()].copy_from_slice(answer.as_bytes());
+            Ok(answer.len())
+        }
+
+        fn close(&mut self) {}
+    }
 }

@@ -115,9 +115,14 @@ fn decays(records: &[[&[f64]; 2]], points: usize, lines: usize) -> Vec<Decay> {
     peaks.iter().take(PEAKS).filter_map(|peak| decay(&spectra, *peak, most)).collect()
 }
 
+/// Where the last two periods begin.
+fn begin_of_two(signal: &[f64], points: usize) -> usize {
+    (signal.len() / points - 2) * points
+}
+
 /// The last period but one, and the last.
 fn last_two(signal: &[f64], points: usize) -> [&[f64]; 2] {
-    let from = (signal.len() / points - 2) * points;
+    let from = begin_of_two(signal, points);
     [&signal[from..from + points], &signal[from + points..from + 2 * points]]
 }
 
@@ -194,7 +199,7 @@ impl Decay {
 
     /// Takes the decay out of record `n`: what differs by A·z₀ᵏ is A/(z₀ᴺ − 1)·z₀ᵏ itself.
     fn take_out(&self, n: usize, output: &mut [f64], points: usize) {
-        let from = (output.len() / points - 2) * points;
+        let from = begin_of_two(output, points);
         let gone = self.pole.powf(points as f64) - Complex::new(1.0, 0.0);
         let mut rings = 2.0 * self.amplitudes[n] / gone;
         for y in &mut output[from..] {

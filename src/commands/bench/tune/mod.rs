@@ -174,7 +174,7 @@ impl Tune {
         };
         if self.write && self.agrees(screen, &answer)? {
             let mut tried = self.try_law(&mut *station, &bed, &answer, false);
-            if is_wild(&tried)
+            if tried.as_ref().is_ok_and(is_wild)
                 && let Some((law, found)) =
                     self.design(&*station, &bed, &plant, CALMER * self.noise)
             {

@@ -37,7 +37,7 @@ impl Tune {
             for part in GENTLER {
                 last = self.try_part(station, bed, answer, (part, is_again || part < 1.0))?;
                 // Smaller gains help a loop that went wrong at once or overshoots, not one that is too slow.
-                if !matches!(&last, (_, Some(Refusal { is_wild: true, .. }))) {
+                if !is_wild(&last) {
                     break;
                 }
             }
@@ -101,8 +101,8 @@ impl Tune {
 }
 
 /// Whether a loop went wrong at once or overshot.
-pub(super) fn is_wild<E>(tried: &Result<Tried, E>) -> bool {
-    matches!(tried, Ok((_, Some(Refusal { is_wild: true, .. }))))
+pub(super) fn is_wild((_, refusal): &Tried) -> bool {
+    refusal.as_ref().is_some_and(|refusal| refusal.is_wild)
 }
 
 /// The law with this part of its gains.

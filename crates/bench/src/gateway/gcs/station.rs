@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use super::PATIENCE;
 use super::speech::Speech;
 use super::text;
-use crate::gateway::line::{Broken, Line, Options};
+use crate::gateway::line::{Broken, Line, Options, in_turn};
 use crate::gateway::station::{Follow, Input, Law, NotchValues, Place, Recorded, Station, Wave};
 
 /// Points in one command.
@@ -119,19 +119,14 @@ impl GcsStation {
         answer.map_err(|broken| broken.to_string())
     }
 
-    /// One exchange. After one whose answer did not come in time the late answer is awaited first, so that it is not taken for
-    /// that of the next question.
+    /// One exchange, once a late answer has come.
     fn exchange<T>(
         &mut self,
         exchange: impl FnOnce(&mut Speech) -> Result<T, Broken>,
     ) -> Result<T, Broken> {
-        let settled = match self.is_late {
-            true => self.speech.settle(&self.identity, self.timeout, PATIENCE),
-            false => Ok(()),
-        };
-        let answer = settled.and_then(|()| exchange(&mut self.speech));
-        self.is_late = matches!(answer, Err(Broken::Late | Broken::Garbage(_)));
-        answer
+        let (identity, timeout) = (&self.identity, self.timeout);
+        let settle = |speech: &mut Speech| speech.settle(identity, timeout, PATIENCE);
+        in_turn(&mut self.is_late, &mut self.speech, settle, exchange)
     }
 
     /// The number of the axis behind a question.
@@ -392,51 +387,20 @@ impl Station for GcsStation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::VecDeque;
+    use crate::gateway::line::slow::Slow;
 
-    /// A controller that answers a question for a parameter only when the next one has been asked.
-    #[derive(Debug, Default)]
-    struct Slow {
-        /// Reads in which nothing comes, and what comes then.
-        answers: VecDeque<(usize, String)>,
-        /// Reads in vain before the answer for a parameter comes.
-        late: usize,
-    }
-
-    impl Line for Slow {
-        fn open(&mut self, _: Duration) -> Result<(), String> {
-            Ok(())
-        }
-
-        fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
-            let question = std::str::from_utf8(bytes).unwrap().trim();
-            let answer = match question {
-                "*IDN?" => "a controller",
-                "ERR?" => "0",
-                "SAI?" => "1",
-                "TMN? 1" => "1=0",
-                "TMX? 1" => "1=100",
-                "SPA? 1 0x0E000200" => "1=0.001",
-                "SPA? 1 0x07000301" => "1=30",
-                _ => return Ok(()),
-            };
-            let waits = if question.ends_with("301") { self.late } else { 0 };
-            self.answers.push_back((waits, format!("{answer}\n")));
-            Ok(())
-        }
-
-        fn read(&mut self, bytes: &mut [u8], _: Duration) -> Result<usize, String> {
-            let Some((waits, _)) = self.answers.front_mut() else { return Ok(0) };
-            if *waits > 0 {
-                *waits -= 1;
-                return Ok(0);
-            }
-            let (_, answer) = self.answers.pop_front().unwrap_or_default();
-            bytes[..answer.len()].copy_from_slice(answer.as_bytes());
-            Ok(answer.len())
-        }
-
-        fn close(&mut self) {}
+    fn says(question: &str) -> Option<String> {
+        let answer = match question {
+            "*IDN?" => "a controller",
+            "ERR?" => "0",
+            "SAI?" => "1",
+            "TMN? 1" => "1=0",
+            "TMX? 1" => "1=100",
+            "SPA? 1 0x0E000200" => "1=0.001",
+            "SPA? 1 0x07000301" => "1=30",
+            _ => return None,
+        };
+        Some(format!("{answer}\n"))
     }
 
     /// A late answer is that of its own question, or nobody's.
@@ -444,8 +408,8 @@ mod tests {
     fn a_late_answer_is_not_taken_for_that_of_the_next_question() {
         for (late, found) in [(0, Some(30.0)), (1, Some(30.0)), (2, None), (20, None)] {
             let options = Options::parse("timeout=0.01", 0.01).unwrap();
-            let line = Slow { late, ..Slow::default() };
-            let mut station = GcsStation::open(Box::new(line), options).unwrap();
+            let line = Slow::new(late, says, |question| question.ends_with("301"));
+            let mut station = GcsStation::open(line, options).unwrap();
             assert_eq!(station.parameter("1", 0x0700_0301).ok(), found, "{late}");
             assert_eq!(station.number_of("TMX?"), Ok(100.0), "{late}");
             assert_eq!(station.tell("SVO 1 1"), Ok(()), "{late}");

@@ -12,7 +12,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::{Nv200Device, PATIENCE, explained};
-use crate::gateway::line::{Broken, Line, Options};
+use crate::gateway::line::{Broken, Line, Options, in_turn};
 use crate::gateway::station::{Follow, Input, Law, NotchValues, Place, Recorded, Station, Wave};
 
 /// Step of generator, recorder and servo, in s.
@@ -62,16 +62,13 @@ impl Nv200Station {
         done.map_err(|broken| format!("{command}: {broken}"))
     }
 
-    /// One exchange. After one whose answer did not come in time the late answer is awaited first, so that it is not taken for
-    /// that of the next question or command.
+    /// One exchange, once a late answer has come.
     fn exchange<T>(
         &mut self,
         exchange: impl FnOnce(&mut Nv200Device) -> Result<T, Broken>,
     ) -> Result<T, Broken> {
-        let settled = if self.is_late { self.device.settle(PATIENCE) } else { Ok(()) };
-        let answer = settled.and_then(|()| exchange(&mut self.device));
-        self.is_late = matches!(answer, Err(Broken::Late | Broken::Garbage(_)));
-        answer
+        let settle = |device: &mut Nv200Device| device.settle(PATIENCE);
+        in_turn(&mut self.is_late, &mut self.device, settle, exchange)
     }
 
     /// What a recorder channel holds.
@@ -266,54 +263,23 @@ impl Station for Nv200Station {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::VecDeque;
+    use crate::gateway::line::slow::Slow;
 
-    /// An instrument that answers one question, or a command, only when more has been asked.
-    #[derive(Debug, Default)]
-    struct Slow {
-        /// Reads in which nothing comes, and what comes then.
-        answers: VecDeque<(usize, String)>,
-        /// Reads in vain before the answers to `kp` and to `cl,1` come.
-        late: usize,
-    }
-
-    impl Line for Slow {
-        fn open(&mut self, _: Duration) -> Result<(), String> {
-            Ok(())
-        }
-
-        fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
-            let question = std::str::from_utf8(bytes).unwrap().trim();
-            let answer = match question {
-                "" => "NV200/D_NET>\r\n",
-                "posmin" | "avmin" => "0",
-                "posmax" | "avmax" => "100",
-                "meas" => "50",
-                "kp" => "0.5",
-                "ki" => "30",
-                "ki,-1" => "error,4\r\n",
-                "cl,1" => "",
-                _ => "error,2\r\n",
-            };
-            let waits = if matches!(question, "kp" | "cl,1") { self.late } else { 0 };
-            let is_value = answer.parse::<f64>().is_ok();
-            let text = if is_value { format!("{question},{answer}\r\n") } else { answer.into() };
-            self.answers.push_back((waits, format!("{text}\u{11}")));
-            Ok(())
-        }
-
-        fn read(&mut self, bytes: &mut [u8], _: Duration) -> Result<usize, String> {
-            let Some((waits, _)) = self.answers.front_mut() else { return Ok(0) };
-            if *waits > 0 {
-                *waits -= 1;
-                return Ok(0);
-            }
-            let (_, answer) = self.answers.pop_front().unwrap_or_default();
-            bytes[..answer.len()].copy_from_slice(answer.as_bytes());
-            Ok(answer.len())
-        }
-
-        fn close(&mut self) {}
+    fn says(question: &str) -> Option<String> {
+        let answer = match question {
+            "" => "NV200/D_NET>\r\n",
+            "posmin" | "avmin" => "0",
+            "posmax" | "avmax" => "100",
+            "meas" => "50",
+            "kp" => "0.5",
+            "ki" => "30",
+            "ki,-1" => "error,4\r\n",
+            "cl,1" => "",
+            _ => "error,2\r\n",
+        };
+        let is_value = answer.parse::<f64>().is_ok();
+        let text = if is_value { format!("{question},{answer}\r\n") } else { answer.into() };
+        Some(format!("{text}\u{11}"))
     }
 
     /// A late answer is nobody's.
@@ -321,8 +287,8 @@ mod tests {
     fn a_late_answer_is_not_taken_for_that_of_the_next_question() {
         for late in [0, 1, 2, 20] {
             let options = Options::parse("timeout=0.01", 0.01).unwrap();
-            let line = Slow { late, ..Slow::default() };
-            let station = &mut Nv200Station::open(Box::new(line), options).unwrap();
+            let line = Slow::new(late, says, |question| matches!(question, "kp" | "cl,1"));
+            let station = &mut Nv200Station::open(line, options).unwrap();
             assert_eq!(station.number("kp").ok(), (late == 0).then_some(0.5), "{late}");
             assert_eq!(station.number("ki"), Ok(30.0), "{late}");
             assert_eq!(station.tell("cl,1").is_ok(), late == 0, "{late}");
