@@ -75,7 +75,10 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
             let nominal = 0.5 * (c.rank - best.rank).max(0.0);
             let order =
                 if is_alike(c) { Thresholds::ORDER * (c.freedom - simplest) as f64 } else { 0.0 };
-            (-(Thresholds::SHARPNESS * times(c).ln()).min(nominal) - order).exp()
+            let apart = (Thresholds::SHARPNESS * times(c).ln()).min(nominal) + order;
+            // A prediction that is off says little where other parameters fit all rows as well.
+            let order = Thresholds::ORDER * c.freedom.saturating_sub(own.freedom) as f64;
+            (-apart.min(c.against + order)).exp()
         })
         .collect();
     let total: f64 = weights.iter().sum();
@@ -99,6 +102,14 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
 /// What is left in powers of the noise, on training and held-out rows alike.
 fn left(c: &Candidate) -> f64 {
     0.5 * (c.training + c.judged.held_out)
+}
+
+/// Logarithm of the odds against formulas that leave `rival` and not `own`, mean squares of fits to the same rows, whose
+/// ranks are that far apart.
+pub(crate) fn against(sight: &Sight<'_>, rival: f64, own: f64, ranks: f64) -> f64 {
+    let seen = (own - 1.0).max(0.0) + Thresholds::UNSEEN + sight.fine;
+    let times = 1.0 + (rival - own).max(0.0) / seen;
+    (Thresholds::SHARPNESS * times.ln()).min(0.5 * ranks.max(0.0))
 }
 
 /// How far that is above the noise.

@@ -14,6 +14,10 @@ pub(crate) fn ratio(residual: &[f64], data: &DataSet) -> Option<f64> {
     };
     let level = noise::fourth_differences(residual, records())?;
     let white = level * level;
+    // Less than was stated is not noisier.
+    if white <= 1.0 {
+        return None;
+    }
     let is_noise = records().all(|rows| {
         let n = rows.len() as f64;
         let part = &residual[rows.clone()];
@@ -43,4 +47,37 @@ pub(crate) fn ratio(residual: &[f64], data: &DataSet) -> Option<f64> {
     }
     let tails = fourth * count / (squares * squares).max(f64::MIN_POSITIVE);
     (count > 0.0 && is_noise && (tails - 3.0).abs() < Thresholds::FOURTH_MOMENT).then_some(level)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ratio;
+    use crate::data_set::{DataSet, RecordRows};
+    use crate::random::Random;
+
+    #[test]
+    fn readings_are_noisier_where_their_white_part_is_more_than_what_was_stated() {
+        let rows = 4000;
+        let record = RecordRows {
+            name: "a".to_owned(),
+            time: (0..rows).map(|k| 1e-3 * k as f64).collect(),
+            command: vec![0.0; rows],
+            y: vec![0.0; rows],
+            aux: Vec::new(),
+            others: Vec::new(),
+            run_in: 0,
+            training: 0.7,
+        };
+        let data = DataSet::new(vec![record], &[], None);
+        let mut random = Random::new(7);
+        let white: Vec<f64> =
+            (0..rows).map(|_| (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0).collect();
+        let of = |size: f64, slow: f64| {
+            let part = |(k, r): (usize, &f64)| size * r + slow * (k as f64 / 300.0).sin();
+            ratio(&white.iter().enumerate().map(part).collect::<Vec<f64>>(), &data)
+        };
+        assert!((of(1.4, 0.0).unwrap() - 1.4).abs() < 0.1);
+        // Less than was stated, and a slow rest: that is no noise that was stated too small.
+        assert_eq!(of(0.9, 0.9), None);
+    }
 }

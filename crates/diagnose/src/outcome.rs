@@ -19,6 +19,7 @@ use surround::Span;
 
 use crate::data_set::DataSet;
 use crate::error::Error;
+use crate::fit::Fitter;
 use crate::gap::{SecondOpinion, Verdict};
 use crate::library::{self, Family};
 use crate::noise::{self, Shape};
@@ -92,6 +93,7 @@ pub(crate) fn of(task: Task, request: &Request, count: &AtomicU64) -> Result<Out
     let run = Run { request, count, memo: &memo };
     let (task, level) = run.noise(task)?;
     let base = run.base(&task, level)?;
+    let (task, base) = run.over_all_rows(task, base);
     let (task, library) = run.library(task, &base);
     let searched = run.search(&task, &library, base)?;
     let (task, believed) = run.belief(task, &library, searched);
@@ -197,6 +199,35 @@ impl Run<'_> {
         let position = simulated_span(&retuned, &task.data, self.count);
         let position = position.unwrap_or(task.data.output_span);
         Ok(Base { retuned, given, scale, position })
+    }
+
+    /// Base: the model fitted to all rows, where that leaves nothing. Parameters that the fitted rows do not determine predict
+    /// nothing: what they leave on the held-out rows is no missing effect.
+    fn over_all_rows(&self, mut task: Task, base: Base) -> (Task, Base) {
+        let Base { retuned, scale, .. } = &base;
+        // What the fitted rows show stays when more are fitted.
+        let is_held_out_alone = retuned.judged.training <= scale.adequate;
+        if !has_gap(retuned, scale.adequate) || !is_held_out_alone {
+            return (task, base);
+        }
+        let data = task.data.without(|_| false);
+        let search = self.search_in(&task, &[], scale);
+        let fitter = Fitter { data: &data, ..search.fitter() };
+        let fit = fitter.fit_again(&retuned.chain, &retuned.fit.theta);
+        let all = fit.and_then(|fit| search.candidate(Vec::new(), retuned.chain.clone(), fit));
+        let Some(all) = all.ok().filter(|all| !has_gap(all, scale.adequate)) else {
+            return (task, base);
+        };
+        let unit = scale.sigma / task.factor;
+        task.warnings.push(format!(
+            "{}: the parameters are fitted to all rows, none is held out: fitted to the first part of each log they leave \
+             {} {} rms on the rest, fitted to all rows {}; a log that moves more determines them",
+            task.output,
+            report::format_number(unit * retuned.judged.held_out.sqrt(), 4),
+            task.unit,
+            report::format_number(unit * all.judged.held_out.sqrt(), 4),
+        ));
+        (task, Base { retuned: all, ..base })
     }
 
     /// The effects that can act in these logs, and the task without the steps of the reading that the model makes.

@@ -24,6 +24,8 @@ pub(crate) struct Judged {
     pub(crate) log_band: f64,
     /// Mean square of each block.
     pub(crate) blocks: Vec<f64>,
+    /// Mean square of each record.
+    pub(crate) records: Vec<f64>,
 }
 
 /// Where rows are judged: blocks and stretches.
@@ -192,7 +194,8 @@ impl Judge {
         let training = if training.is_nan() { held_out } else { training };
         let log_band = self.level(&residual, data.sample_time);
         let blocks = self.blocks.iter().map(|b| square(&b.rows)).collect();
-        Judged { held_out, training, log_band, blocks, residual }
+        let records = data.records.iter().map(|r| square(&r.rows)).collect();
+        Judged { held_out, training, log_band, blocks, records, residual }
     }
 
     /// What is left beside the noise.

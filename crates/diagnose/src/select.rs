@@ -35,6 +35,9 @@ pub(crate) struct Candidate {
     pub(crate) rank: f64,
     /// Coefficients of the effects.
     pub(crate) freedom: usize,
+    /// Logarithm of the odds against it beside the effect that is named, where both are fitted to all rows; infinite
+    /// where that was not looked at.
+    pub(crate) against: f64,
 }
 
 /// A family that was looked at in a round.
@@ -138,7 +141,8 @@ impl<'a> Search<'a> {
         self.candidate(Vec::new(), chain, fit)
     }
 
-    fn candidate(
+    /// A fitted set of effects, judged.
+    pub(crate) fn candidate(
         &self,
         picks: Vec<(usize, usize)>,
         chain: Chain,
@@ -167,7 +171,7 @@ impl<'a> Search<'a> {
         let prior: f64 =
             chain.parameters.iter().zip(&fit.theta).map(|(p, q)| p.prior * q * q).sum();
         let rank = rows * data + prior + freedom as f64 * rows.ln();
-        Candidate { picks, chain, fit, judged, training, rank, freedom }
+        Candidate { picks, chain, fit, judged, training, rank, freedom, against: f64::INFINITY }
     }
 
     /// Coordinates for `chain` that say what `from` says, with the start of a new effect at the end.
@@ -241,6 +245,14 @@ impl<'a> Search<'a> {
                 let fit = self.fit_one(from, &fixed, (jobs[*k], start, is_promising), &linear);
                 Some(self.released_elsewhere(fit.ok()?, (1.0 - promise) * from.fit.mean_square))
             })
+            .collect();
+        // A resonance that moved by more than its width promises nothing in the first order.
+        let left = fitted.iter().flatten().map(|c| c.fit.mean_square);
+        let least = left.fold(f64::INFINITY, f64::min);
+        let fitted: Vec<Option<Candidate>> = fitted
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|c| c.map(|c| self.resonance_elsewhere(c, least)))
             .collect();
         let mut looked: Vec<Looked> = families
             .iter()
@@ -464,9 +476,13 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Whether something is left to explain.
+/// Whether something is left to explain. Without an effect one record is enough to show it, as far as slow noise does not
+/// differ from record to record: the effect may not come again in the others, as a drift, or not be driven there.
 pub(crate) fn has_gap(candidate: &Candidate, adequate: f64) -> bool {
-    candidate.judged.held_out.max(candidate.judged.training) > adequate
+    let Judged { held_out, training, records, .. } = &candidate.judged;
+    let of_record = 1.0 + Thresholds::RECORD_ALONE * (adequate - 1.0);
+    let is_shown_by_one = candidate.picks.is_empty() && records.iter().any(|r| *r > of_record);
+    held_out.max(*training) > adequate || is_shown_by_one
 }
 
 /// Fitted families by rank, then the others by what they promised.

@@ -17,10 +17,12 @@ fn candidate((training, held_out): (f64, f64), rank: f64, freedom: usize) -> Can
             training: 1.0 + training,
             log_band: 0.0,
             blocks: Vec::new(),
+            records: Vec::new(),
         },
         training: 1.0 + training,
         rank,
         freedom,
+        against: f64::INFINITY,
     }
 }
 
@@ -85,6 +87,22 @@ fn a_rival_that_leaves_twice_as_much_has_a_64th_of_the_odds() {
     // Four times as much: 0.39.
     let farther = looked(1, Some(candidate((0.39, 0.39), 1e3, 1)));
     close(odds(&all(&[near, farther]), 1, 0), 1.0 / 4096.0);
+}
+
+#[test]
+fn a_rival_that_all_rows_leave_open_keeps_odds() {
+    let own = looked(0, Some(candidate((0.0, 0.0), 0.0, 1)));
+    let rival = |against| looked(1, Some(Candidate { against, ..candidate((0.0, 5.0), 1e3, 1) }));
+    // What it leaves on the held-out rows alone would exclude it.
+    assert!(odds(&all(&[own.clone(), rival(f64::INFINITY)]), 1, 0) < 1e-12);
+    close(odds(&all(&[own.clone(), rival(1.9)]), 1, 0), (-1.9_f64).exp());
+    let found = all(&[own, rival(1.9)]);
+    assert_eq!(set(&believe(&found)), [0, 1], "it stays in the set");
+    // Twice as much on all rows; ranks that differ by 2.
+    let (library, two) = (ungrouped(), 2.0_f64);
+    close(against(&sight(&library), 1.19, 1.09, 1e3), 6.0 * two.ln());
+    close(against(&sight(&library), 1.19, 1.09, 2.0), 1.0);
+    close(against(&sight(&library), 1.05, 1.09, 1e3), 0.0);
 }
 
 #[test]

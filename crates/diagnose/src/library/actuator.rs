@@ -22,9 +22,11 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     family.nulls = super::mechanics::backlash(s);
     if let Some(spring) = super::mechanics::hysteresis_of_the_spring(s) {
         family.formulas.push(spring);
-        // What brakes or yields alike at every amplitude and speed is another damping or frequency.
+        // What brakes or yields alike at every amplitude and speed is another damping or frequency, whether or not the gain
+        // goes with it.
         let own = [&effects::DAMPING, &effects::RESONANCE_SHIFT];
         family.nulls.extend(own.iter().filter_map(|e| super::mechanics::released(s, e)));
+        family.nulls.extend(super::mechanics::stiffness(s));
     }
     all.push(family);
     let mut family = Family::new(&effects::ASYMMETRY, asymmetry(s, &memory));

@@ -81,7 +81,7 @@ fn resonance(s: &Setting<'_>) -> Vec<Formula> {
 }
 
 /// A spring that is softer or stiffer moves the frequency and the static gain.
-fn stiffness(s: &Setting<'_>) -> Vec<Formula> {
+pub(super) fn stiffness(s: &Setting<'_>) -> Vec<Formula> {
     let releases = own(s, &effects::RESONANCE_SHIFT);
     if releases.is_empty() {
         return Vec::new();

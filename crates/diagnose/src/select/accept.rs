@@ -2,8 +2,13 @@
 
 use super::{Candidate, Found, Looked, Search, has_gap};
 use crate::belief::{self, Sight};
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use crate::chain::Failed;
-use crate::score::explained;
+use crate::fit::Fitter;
+use crate::score::{explained, mean_square};
 use crate::thresholds::belief::Thresholds;
 
 /// What is left over the noise's power, on training and held-out rows alike.
@@ -64,6 +69,9 @@ impl Search<'_> {
         if last.picks.is_empty() && has_several && !is_last_resort {
             (last, alone) = self.first_alone(&base, &first, &mut rivals);
         }
+        if let ([_], [looked]) = (&last.picks[..], &mut rivals[..]) {
+            self.hold_against_all_rows(&base, &last, looked);
+        }
         let goes_on = |next: &Candidate| {
             !last.picks.is_empty()
                 && next.picks.len() == last.picks.len() + 1
@@ -71,6 +79,53 @@ impl Search<'_> {
         };
         let beyond = beyond.filter(goes_on);
         Ok(Found { base, last, rivals, first, alone, beyond })
+    }
+
+    /// Whether rivals that fit the fitted rows as well as `own`, and are excluded by the held-out rows alone, are excluded by
+    /// all rows: parameters that few rows do not determine predict nothing.
+    fn hold_against_all_rows(&self, base: &Candidate, own: &Candidate, looked: &mut [Looked]) {
+        let complete = self.data.without(|_| false);
+        let fitter = Fitter { data: &complete, ..self.fitter() };
+        let (rows, sight) = (fitter.effective(), self.sight(base));
+        let over_all = |c: &Candidate| {
+            let fit = fitter.fit_again(&c.chain, &c.fit.theta).ok()?;
+            let priors = c.chain.parameters.iter().zip(&fit.theta);
+            let prior: f64 = priors.map(|(p, q)| p.prior * q * q).sum();
+            let rank =
+                rows * fit.mean_square.max(1e-12).ln() + prior + c.freedom as f64 * rows.ln();
+            Some((fit.mean_square, rank))
+        };
+        let is_open = |c: &Candidate| {
+            c.picks.len() == 1
+                && c.picks[0].0 != own.picks[0].0
+                && !c.chain.is_costly()
+                && c.training < Thresholds::ALIKE * own.training
+                && c.judged.held_out > own.judged.held_out
+        };
+        let mut open: Vec<&mut Candidate> = looked
+            .iter_mut()
+            .filter_map(|l| l.best.as_mut().filter(|c| is_open(c)))
+            .take(Thresholds::RIVALS_OPEN)
+            .collect();
+        if open.is_empty() {
+            return;
+        }
+        let Some((left, rank)) = over_all(own) else { return };
+        open.par_iter_mut().with_max_len(1).for_each(|c| {
+            if let Some((rival, of_rival)) = over_all(c) {
+                c.against = belief::against(&sight, rival, left, of_rival - rank)
+                    + Thresholds::NOT_PREDICTED * self.not_predicted(c, own).max(1) as f64;
+            }
+        });
+    }
+
+    /// Records whose held-out rows a rival predicts worse.
+    fn not_predicted(&self, rival: &Candidate, own: &Candidate) -> usize {
+        let is_worse = |rows: &Range<usize>| {
+            let left = |c: &Candidate| mean_square(&c.judged.residual[rows.clone()]);
+            left(rival) > Thresholds::ALIKE * left(own)
+        };
+        self.judge.stretches.iter().filter(|rows| is_worse(rows)).count()
     }
 
     /// The best single effect as if no other had been looked for beside it: several that cannot be named
@@ -264,7 +319,9 @@ impl Search<'_> {
         // reaches do not take a name from what does.
         let is_enough = reached >= Thresholds::SCORE
             || (power >= Thresholds::POWER_CLEAR && reached >= Thresholds::SCORE_WITH_POWER);
-        (is_enough && power >= least) || self.is_fitted_well(base, best)
+        // Bands in which a faint gap is near the noise take no name from what leaves nothing.
+        let is_all = !has_gap(best, self.adequate);
+        ((is_enough || is_all) && power >= least) || self.is_fitted_well(base, best)
     }
 
     /// Whether the rows that are held out do not show the gap and the fitted ones do, nearly all of it goes

@@ -1,5 +1,6 @@
 //! Away from a fit that is only the best one nearby.
 
+use components::effects;
 use rayon::prelude::*;
 
 use super::memo::Part;
@@ -65,6 +66,22 @@ impl Search<'_> {
         });
         let best = tried.min_by(|a, b| a.rank.total_cmp(&b.rank));
         best.filter(|other| other.rank < fit.rank).unwrap_or(fit)
+    }
+
+    /// As `released_elsewhere` for a resonance that ended far above what another family leaves, and from there to the end.
+    pub(super) fn resonance_elsewhere(&self, fit: Candidate, least: f64) -> Candidate {
+        let family = fit.picks.last().map(|(family, _)| self.library[*family].effect.name);
+        let rank = fit.rank;
+        if family != Some(effects::RESONANCE_SHIFT.name) {
+            return fit;
+        }
+        let other = self.released_elsewhere(fit, least);
+        if other.rank >= rank {
+            return other;
+        }
+        let fit = self.fitter().fit(&other.chain, &other.fit.theta);
+        let end = fit.and_then(|fit| self.candidate(other.picks.clone(), other.chain.clone(), fit));
+        end.ok().filter(|end| end.rank < other.rank).unwrap_or(other)
     }
 
     /// Numbers of the parameters of the last effect that are fitted on a logarithmic scale and act in the simulation.

@@ -98,7 +98,8 @@ impl Search<'_> {
     pub(crate) fn in_units(&self, c: Candidate, ratio: f64) -> Candidate {
         let residual = c.judged.residual.iter().map(|r| r / ratio).collect();
         let fit = Fit { mean_square: c.fit.mean_square / (ratio * ratio), ..c.fit };
-        self.ranked(c.picks, c.chain, fit, self.judge.figures(residual, self.data))
+        let judged = self.judge.figures(residual, self.data);
+        Candidate { against: c.against, ..self.ranked(c.picks, c.chain, fit, judged) }
     }
 }
 

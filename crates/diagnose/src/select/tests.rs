@@ -325,6 +325,14 @@ fn a_gap_is_what_is_over_the_limit_on_fitted_or_held_out_rows() {
     };
     assert!(has_gap(1.31, 1.0) && has_gap(1.0, 1.31) && has_gap(9.0, 9.0));
     assert!(!has_gap(1.29, 1.29) && !has_gap(1.3, 1.3) && !has_gap(0.9, 0.8));
+    // One record shows it where slow noise cannot: three times as far above the noise. Beside an effect it does not count.
+    candidate.judged.records = vec![1.0, 1.91];
+    assert!(super::has_gap(&candidate, 1.3));
+    candidate.judged.records = vec![1.0, 1.89];
+    assert!(!super::has_gap(&candidate, 1.3));
+    candidate.judged.records = vec![1.0, 9.0];
+    candidate.picks = vec![(0, 0)];
+    assert!(!super::has_gap(&candidate, 1.3));
 }
 
 #[test]

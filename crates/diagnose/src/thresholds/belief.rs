@@ -70,6 +70,11 @@ impl Thresholds {
     pub(crate) const ORDER: f64 = 1.6;
     /// Factor up to which formulas leave alike.
     pub(crate) const ALIKE: f64 = 1.25;
+    /// Logarithm of the odds, for each record, against a name whose formula does not predict the held-out rows and fits all
+    /// rows as well as that of the name that does: few rows do not determine its parameters.
+    pub(crate) const NOT_PREDICTED: f64 = 1.9;
+    /// Most rivals that are fitted to all rows.
+    pub(crate) const RIVALS_OPEN: usize = 4;
     /// Trust below which neither the name nor its group is given.
     pub(crate) const TRUSTED: f64 = 0.5;
     /// Probability that the cause is in the library where nothing is left; from the benchmark.

@@ -10,6 +10,9 @@ impl Thresholds {
     pub(crate) const BAND_SPREAD: f64 = 1.6;
     /// Blocks of all records together, in which residuals are compared.
     pub(crate) const JUDGED_BLOCKS: usize = 400;
+    /// Error power above the noise from which one record shows a gap, over that from which all rows together do: the part
+    /// of the noise that grows as 1/f differs that much from record to record.
+    pub(crate) const RECORD_ALONE: f64 = 3.0;
     /// Variance of the difference of the means of the first 70 and the last 30 % of a record, of noise with the
     /// density 1/f: ∫ |H|²/f df.
     pub(crate) const SLOW_DIFFERENCE: f64 = 2.9;

@@ -56,6 +56,22 @@ fn one_effect_is_found_and_named() {
 }
 
 #[test]
+fn rivals_that_fit_the_fitted_rows_as_well_are_held_against_all_rows() {
+    let columns: [&[(usize, f64)]; 3] = [&[(3, 1.0)], &[(3, 1.0), (11, 0.03)], &[(7, 1.0)]];
+    let synthetic = Synthetic::new(&[(3, 10.0)], &columns);
+    let (search, base) = (synthetic.search(), synthetic.retuned());
+    let all = [0, 1, 2].map(|family| synthetic.with(&[(family, 0)]));
+    let mut looked: Vec<Looked> = all.iter().cloned().map(entry).collect();
+    search.hold_against_all_rows(&base, &all[0], &mut looked);
+    let against = |k: usize| looked[k].best.as_ref().unwrap().against;
+    // Its own odds, and those of one prediction that is off.
+    assert!((1.9..9.0).contains(&against(1)), "{}", against(1));
+    assert_eq!((against(0), against(2)), (f64::INFINITY, f64::INFINITY));
+    assert_eq!(search.not_predicted(&all[2], &all[0]), 2, "in both records");
+    assert_eq!(search.not_predicted(&all[0], &all[2]), 0);
+}
+
+#[test]
 fn two_effects_are_found_with_what_goes_with_each() {
     let synthetic = three();
     let two = Synthetic::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
