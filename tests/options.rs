@@ -148,7 +148,6 @@ fn copy(template: &Path) -> tempfile::TempDir {
     own
 }
 
-/// Runs the tool; how it ended, how long it took, what it said.
 /// Processor time of a process so far, from the 14th and 15th field of its `stat` in hundredths of a second; where there is
 /// none, the time since its begin.
 fn processor_time(process: u32, begin: Instant) -> Duration {
@@ -162,6 +161,7 @@ fn processor_time(process: u32, begin: Instant) -> Duration {
     }
 }
 
+/// Runs the tool; how it ended, how much processor time it took, what it said.
 fn called(words: &[&str], folder: &Path) -> (Option<i32>, Option<i32>, Duration, String) {
     let begin = Instant::now();
     let mut child = Command::new(env!("CARGO_BIN_EXE_piezoloop"))

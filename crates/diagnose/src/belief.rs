@@ -32,6 +32,11 @@ impl<'a> Sight<'a> {
         Self { library, base_excess: (base.judged.held_out - 1.0).max(0.0), adequate, fine }
     }
 
+    /// How far a mean square is above the noise, and what the noise and the user let nobody see.
+    fn over(&self, left: f64) -> f64 {
+        (left - 1.0).max(0.0) + Thresholds::UNSEEN + self.fine
+    }
+
     pub(crate) fn of(outcome: &'a Outcome) -> Self {
         Self::new(&outcome.library, &outcome.found.base, outcome.adequate, outcome.fine)
     }
@@ -55,11 +60,9 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
     };
     // The noise is the same in all of them: by how much one leaves more than the best is known far better
     // than how far either is above the noise.
-    let seen = excess(best) + Thresholds::UNSEEN + sight.fine;
-    let times = |c: &Candidate| 1.0 + (left(c) - left(best)).max(0.0) / seen;
+    let times = |c: &Candidate| times(sight, left(c), left(best));
     // Rows that no fit has seen must not tell them apart either.
-    let held_out =
-        |c: &Candidate| (c.judged.held_out - 1.0).max(0.0) + Thresholds::UNSEEN + sight.fine;
+    let held_out = |c: &Candidate| sight.over(c.judged.held_out);
     let least = fitted.iter().map(|(_, c)| held_out(c)).fold(f64::INFINITY, f64::min);
     let is_alike = |c: &Candidate| {
         times(c) < Thresholds::ALIKE
@@ -72,13 +75,11 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
         .map(|(_, c)| {
             // The right name leaves a small part of the gap where its formula is not the machine's: what
             // counts is how many times more a rival leaves, as far as the noise lets one see it.
-            let nominal = 0.5 * (c.rank - best.rank).max(0.0);
-            let order =
-                if is_alike(c) { Thresholds::ORDER * (c.freedom - simplest) as f64 } else { 0.0 };
-            let apart = (Thresholds::SHARPNESS * times(c).ln()).min(nominal) + order;
+            let order = |than: usize| Thresholds::ORDER * c.freedom.saturating_sub(than) as f64;
+            let alike = if is_alike(c) { order(simplest) } else { 0.0 };
+            let apart = apart(times(c), c.rank - best.rank) + alike;
             // A prediction that is off says little where other parameters fit all rows as well.
-            let order = Thresholds::ORDER * c.freedom.saturating_sub(own.freedom) as f64;
-            (-apart.min(c.against + order)).exp()
+            (-apart.min(c.against + order(own.freedom))).exp()
         })
         .collect();
     let total: f64 = weights.iter().sum();
@@ -92,7 +93,7 @@ pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> 
         .map(|((family, c), w)| Belief {
             family: *family,
             probability: known * w / total,
-            left: excess(c) + Thresholds::UNSEEN + sight.fine,
+            left: sight.over(left(c)),
         })
         .collect();
     all.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.family.cmp(&b.family)));
@@ -107,8 +108,16 @@ fn left(c: &Candidate) -> f64 {
 /// Logarithm of the odds against formulas that leave `rival` and not `own`, mean squares of fits to the same rows, whose
 /// ranks are that far apart.
 pub(crate) fn against(sight: &Sight<'_>, rival: f64, own: f64, ranks: f64) -> f64 {
-    let seen = (own - 1.0).max(0.0) + Thresholds::UNSEEN + sight.fine;
-    let times = 1.0 + (rival - own).max(0.0) / seen;
+    apart(times(sight, rival, own), ranks)
+}
+
+/// How many times more than `own` the mean square `rival` leaves, as far as the noise lets one see it.
+fn times(sight: &Sight<'_>, rival: f64, own: f64) -> f64 {
+    1.0 + (rival - own).max(0.0) / sight.over(own)
+}
+
+/// Logarithm of the odds against what leaves so many times more, no more than ranks that far apart say.
+fn apart(times: f64, ranks: f64) -> f64 {
     (Thresholds::SHARPNESS * times.ln()).min(0.5 * ranks.max(0.0))
 }
 

@@ -127,6 +127,11 @@ impl Chain {
         all.filter(|(_, p)| p.is_base && is_fmu(p)).map(|(k, _)| k).collect()
     }
 
+    /// Penalty of these coordinates by what is known of the parameters.
+    pub(crate) fn prior(&self, theta: &[f64]) -> f64 {
+        self.parameters.iter().zip(theta).map(|(p, q)| p.prior * q * q).sum()
+    }
+
     /// Whether its FMU has many parameters: each sensitivity to one is a run over all records.
     pub(crate) fn is_costly(&self) -> bool {
         self.of_fmu().len() >= Thresholds::MANY_TUNED

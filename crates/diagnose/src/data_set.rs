@@ -112,6 +112,23 @@ pub(crate) struct RecordRows {
     pub(crate) training: f64,
 }
 
+#[cfg(test)]
+impl RecordRows {
+    /// Rows of a thousandth of a second in which nothing moves, of which this part is fitted.
+    pub(crate) fn still(rows: usize, training: f64) -> Self {
+        Self {
+            name: "a".to_owned(),
+            time: (0..rows).map(|k| 1e-3 * k as f64).collect(),
+            command: vec![0.0; rows],
+            y: vec![0.0; rows],
+            aux: Vec::new(),
+            others: Vec::new(),
+            run_in: 0,
+            training,
+        }
+    }
+}
+
 impl DataSet {
     /// Puts records on a grid; `step` `None`: one hit per row.
     pub(crate) fn new(records: Vec<RecordRows>, aux: &[(String, bool)], step: Option<f64>) -> Self {

@@ -58,17 +58,7 @@ mod tests {
     #[test]
     fn readings_are_noisier_where_their_white_part_is_more_than_what_was_stated() {
         let rows = 4000;
-        let record = RecordRows {
-            name: "a".to_owned(),
-            time: (0..rows).map(|k| 1e-3 * k as f64).collect(),
-            command: vec![0.0; rows],
-            y: vec![0.0; rows],
-            aux: Vec::new(),
-            others: Vec::new(),
-            run_in: 0,
-            training: 0.7,
-        };
-        let data = DataSet::new(vec![record], &[], None);
+        let data = DataSet::new(vec![RecordRows::still(rows, 0.7)], &[], None);
         let mut random = Random::new(7);
         let white: Vec<f64> =
             (0..rows).map(|_| (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0).collect();

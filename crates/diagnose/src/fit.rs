@@ -163,9 +163,8 @@ impl<'a> Work<'a> {
             return Err(Failed);
         }
         let count = residual.len().max(1) as f64;
-        let prior: f64 =
-            self.chain().parameters.iter().zip(theta).map(|(p, q)| p.prior * q * q).sum();
-        let cost = self.fitter.effective() * (squares / count).max(1e-12).ln() + prior;
+        let level = (squares / count).max(1e-12).ln();
+        let cost = self.fitter.effective() * level + self.chain().prior(theta);
         Ok(Point { theta: theta.to_vec(), residual, squares, cost })
     }
 

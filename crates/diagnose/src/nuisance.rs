@@ -344,17 +344,7 @@ mod tests {
 
     /// A record that only judges.
     fn judging() -> DataSet {
-        let record = RecordRows {
-            name: "a".to_owned(),
-            time: (0..ROWS).map(|k| 1e-3 * k as f64).collect(),
-            command: vec![0.0; ROWS],
-            y: vec![0.0; ROWS],
-            aux: Vec::new(),
-            others: Vec::new(),
-            run_in: 0,
-            training: 0.0,
-        };
-        DataSet::new(vec![record], &[], None)
+        DataSet::new(vec![RecordRows::still(ROWS, 0.0)], &[], None)
     }
 
     /// What is left of a residual there.

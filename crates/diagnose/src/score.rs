@@ -255,16 +255,7 @@ mod tests {
 
     #[test]
     fn terms_of_a_record_take_more_of_noise_that_is_slow() {
-        let record = |rows: usize| RecordRows {
-            name: "a".to_owned(),
-            time: (0..rows).map(|k| 1e-3 * k as f64).collect(),
-            command: vec![0.0; rows],
-            y: vec![0.0; rows],
-            aux: Vec::new(),
-            others: Vec::new(),
-            run_in: 0,
-            training: 1.0,
-        };
+        let record = |rows: usize| RecordRows::still(rows, 1.0);
         let data = DataSet::new(vec![record(1000), record(2000)], &[], None);
         let chain =
             |nuisances| Chain { nodes: Vec::new(), parameters: Vec::new(), drive: 0, nuisances };
@@ -283,17 +274,7 @@ mod tests {
     #[test]
     fn the_end_of_a_record_may_be_off_by_as_much_as_slow_noise_is_and_no_more() {
         let rows = 1000;
-        let record = RecordRows {
-            name: "a".to_owned(),
-            time: (0..rows).map(|k| 1e-3 * k as f64).collect(),
-            command: vec![0.0; rows],
-            y: vec![0.0; rows],
-            aux: Vec::new(),
-            others: Vec::new(),
-            run_in: 0,
-            training: 0.7,
-        };
-        let data = DataSet::new(vec![record], &[], None);
+        let data = DataSet::new(vec![RecordRows::still(rows, 0.7)], &[], None);
         let level_off = |shape: Shape, offset: f64| {
             let judge = Judge::new(&data, shape);
             let mut residual = vec![offset; rows];

@@ -168,9 +168,7 @@ impl<'a> Search<'a> {
         let training = fit.mean_square + self.judge.taken(&chain, &fit.theta, self.data);
         let data = Thresholds::TRAINING_WEIGHT * level(training)
             + (1.0 - Thresholds::TRAINING_WEIGHT) * level(judged.held_out);
-        let prior: f64 =
-            chain.parameters.iter().zip(&fit.theta).map(|(p, q)| p.prior * q * q).sum();
-        let rank = rows * data + prior + freedom as f64 * rows.ln();
+        let rank = rank((rows, data), chain.prior(&fit.theta), freedom);
         Candidate { picks, chain, fit, judged, training, rank, freedom, against: f64::INFINITY }
     }
 
@@ -474,6 +472,11 @@ impl<'a> Search<'a> {
         }
         Ok((chain, theta))
     }
+}
+
+/// Cost of so many rows, of which this is the mean logarithm of what is left, with the penalties of parameters and order.
+fn rank((rows, data): (f64, f64), prior: f64, freedom: usize) -> f64 {
+    rows * data + prior + freedom as f64 * rows.ln()
 }
 
 /// Whether something is left to explain. Without an effect one record is enough to show it, as far as slow noise does not

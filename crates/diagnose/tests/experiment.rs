@@ -5,20 +5,9 @@
 mod common;
 
 use common::diagnose_machine;
-use common::machine::{Machine, Normal, RATE};
+use common::machine::{Machine, RATE};
 use common::truth::Effect;
 use data::Log;
-
-/// A log of the machine under this command, of which nothing else is known.
-fn log(machine: &Machine, number: u64, u: &[f64]) -> Log {
-    let mut noise = Normal::new(machine.seed ^ (0xabc + number));
-    let y = machine.position(0, u).into_iter().map(|y| y + machine.sigma * noise.draw()).collect();
-    let time = (0..u.len()).map(|k| k as f64 / RATE).collect();
-    let mut log = Log::new(&format!("played{number}.csv"), time).unwrap();
-    log.add_column("u", Some("V"), u.to_vec()).unwrap();
-    log.add_column("y", Some("um"), y).unwrap();
-    log
-}
 
 /// The command of a log.
 fn command(log: &Log) -> &[f64] {
@@ -49,7 +38,7 @@ fn a_rival_that_an_experiment_separates_is_gone_after_it() {
         eprintln!("seed {seed}, {name}");
         let machine = Machine::new(seed, 0.5).with(effect, 12.0);
         let first = triangle(20.0, 1600);
-        let mut logs = vec![log(&machine, 0, &first)];
+        let mut logs = vec![machine.log(0, &first)];
         let mut gap = diagnose_machine(&machine, logs.clone(), &[]);
         eprintln!("  {}", gap.sentence);
         for number in 1..=2 {
@@ -65,7 +54,7 @@ fn a_rival_that_an_experiment_separates_is_gone_after_it() {
                 "{times}: {}",
                 next.sentence
             );
-            logs.push(log(&machine, number, u));
+            logs.push(machine.log(number, u));
             gap = diagnose_machine(&machine, logs.clone(), &[]);
             eprintln!("  {}", gap.sentence);
             if next.predicted_gain > Some(SURE) {
@@ -85,6 +74,6 @@ fn a_resonance_far_from_where_it_was_is_found_under_a_strong_harmonic() {
     // The third harmonic of the triangle lies above the mode of the model, the machine's mode below it.
     let machine = Machine { frequency: 281.0, ..Machine::new(55, 0.5) };
     let u = triangle(97.0, 6400);
-    let gap = diagnose_machine(&machine, vec![log(&machine, 0, &u)], &[]);
+    let gap = diagnose_machine(&machine, vec![machine.log(0, &u)], &[]);
     assert_eq!(gap.effects[0].effect, "resonance_shift", "{}", gap.sentence);
 }

@@ -4,9 +4,8 @@
 mod common;
 
 use common::diagnose_machine;
-use common::machine::{Machine, Normal, RATE};
+use common::machine::{Machine, RATE};
 use common::truth::Effect;
-use data::Log;
 use diagnose::{Gap, Model, Noise, Request, Silent, Verdict, diagnose};
 
 fn gap_of(effect: Effect, size: f64, seed: u64, without: &[&str]) -> Gap {
@@ -149,18 +148,11 @@ fn parameters_that_the_fitted_rows_do_not_determine_are_no_effect() {
     let mut refitted = 0;
     for seed in 61..67 {
         let machine = Machine::new(seed, 1.0);
-        let mut noise = Normal::new(seed);
         // Small strokes, and large ones in the end, which alone move the wide plays.
         let stroke = |k: usize| if k < 4400 { 4.0 } else { 50.0 };
         let u: Vec<f64> =
             (0..6400).map(|k| 60.0 + stroke(k) * (k as f64 / RATE * 40.0).sin()).collect();
-        let y = machine.position(0, &u).into_iter().map(|y| y + machine.sigma * noise.draw());
-        let time = (0..u.len()).map(|k| k as f64 / RATE).collect();
-        let y: Vec<f64> = y.collect();
-        let mut log = Log::new("strokes.csv", time).unwrap();
-        log.add_column("u", Some("V"), u).unwrap();
-        log.add_column("y", Some("um"), y).unwrap();
-        let gap = diagnose_machine(&machine, vec![log], &[]);
+        let gap = diagnose_machine(&machine, vec![machine.log(0, &u)], &[]);
         assert!(gap.effects.is_empty(), "seed {seed}: {}", gap.sentence);
         assert_ne!(gap.verdict, Verdict::Unknown, "seed {seed}: {}", gap.sentence);
         refitted += usize::from(gap.warnings.iter().any(|w| w.contains("none is held out")));

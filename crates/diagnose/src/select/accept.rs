@@ -1,6 +1,6 @@
 //! Which effects are believed: forward search, backward elimination, rivals of each slot.
 
-use super::{Candidate, Found, Looked, Search, has_gap};
+use super::{Candidate, Found, Looked, Search, has_gap, rank};
 use crate::belief::{self, Sight};
 use std::ops::Range;
 
@@ -84,17 +84,6 @@ impl Search<'_> {
     /// Whether rivals that fit the fitted rows as well as `own`, and are excluded by the held-out rows alone, are excluded by
     /// all rows: parameters that few rows do not determine predict nothing.
     fn hold_against_all_rows(&self, base: &Candidate, own: &Candidate, looked: &mut [Looked]) {
-        let complete = self.data.without(|_| false);
-        let fitter = Fitter { data: &complete, ..self.fitter() };
-        let (rows, sight) = (fitter.effective(), self.sight(base));
-        let over_all = |c: &Candidate| {
-            let fit = fitter.fit_again(&c.chain, &c.fit.theta).ok()?;
-            let priors = c.chain.parameters.iter().zip(&fit.theta);
-            let prior: f64 = priors.map(|(p, q)| p.prior * q * q).sum();
-            let rank =
-                rows * fit.mean_square.max(1e-12).ln() + prior + c.freedom as f64 * rows.ln();
-            Some((fit.mean_square, rank))
-        };
         let is_open = |c: &Candidate| {
             c.picks.len() == 1
                 && c.picks[0].0 != own.picks[0].0
@@ -110,10 +99,18 @@ impl Search<'_> {
         if open.is_empty() {
             return;
         }
-        let Some((left, rank)) = over_all(own) else { return };
+        let complete = self.data.without(|_| false);
+        let fitter = Fitter { data: &complete, ..self.fitter() };
+        let (rows, sight) = (fitter.effective(), self.sight(base));
+        let over_all = |c: &Candidate| {
+            let fit = fitter.fit_again(&c.chain, &c.fit.theta).ok()?;
+            let level = fit.mean_square.max(1e-12).ln();
+            Some((fit.mean_square, rank((rows, level), c.chain.prior(&fit.theta), c.freedom)))
+        };
+        let Some((left, of_own)) = over_all(own) else { return };
         open.par_iter_mut().with_max_len(1).for_each(|c| {
             if let Some((rival, of_rival)) = over_all(c) {
-                c.against = belief::against(&sight, rival, left, of_rival - rank)
+                c.against = belief::against(&sight, rival, left, of_rival - of_own)
                     + Thresholds::NOT_PREDICTED * self.not_predicted(c, own).max(1) as f64;
             }
         });

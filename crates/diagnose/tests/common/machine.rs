@@ -275,6 +275,17 @@ impl Machine {
         out
     }
 
+    /// A log under this command, of which nothing else is known.
+    pub fn log(&self, number: u64, u: &[f64]) -> Log {
+        let mut noise = Normal::new(self.seed ^ (0xabc + number));
+        let y = self.position(0, u).into_iter().map(|y| y + self.sigma * noise.draw()).collect();
+        let time = (0..u.len()).map(|k| k as f64 / RATE).collect();
+        let mut log = Log::new(&format!("played{number}.csv"), time).unwrap();
+        log.add_column("u", Some("V"), u.to_vec()).unwrap();
+        log.add_column("y", Some("um"), y).unwrap();
+        log
+    }
+
     /// The logs, one per record.
     pub fn logs(&self) -> Vec<Log> {
         let mut noise = Normal::new(self.seed ^ 0x5eed);
