@@ -171,7 +171,6 @@ fn tuned_values_make_the_error_many_times_smaller() {
         assert!(after < before / 5.0, "{answer:#}");
         assert!(answer["after"]["overshoot"].as_f64().unwrap() <= 0.5, "{answer:#}");
         assert!(answer["predicted"]["sensitivity"].as_f64().unwrap() <= 1.505);
-        assert!(answer["seconds"].as_f64().unwrap() < 120.0);
         assert!(answer["law_explained"].as_f64().unwrap() > 0.99, "{answer:#}");
         let filters = answer["proposed"]["notches"].as_array().unwrap();
         assert_eq!(*plant == "evc-truth", !filters.is_empty(), "{answer:#}");
@@ -200,7 +199,6 @@ fn a_mode_between_the_lines_is_found_and_its_loop_is_tuned() {
     let amplitude = answer["amplitude"].as_f64().unwrap();
     assert!(after < before / 5.0 && after < 0.1 * amplitude, "{answer:#}");
     assert!(answer["after"]["overshoot"].as_f64().unwrap() <= 0.5, "{answer:#}");
-    assert!(answer["seconds"].as_f64().unwrap() < 120.0, "{answer:#}");
 }
 
 #[test]

@@ -299,6 +299,14 @@ impl DataSet {
         all
     }
 
+    /// These records with all rows of each in the fit, but for those that are held out as a whole; none where this adds no row.
+    pub(crate) fn with_all_rows(&self) -> Option<Self> {
+        let is_left_out = |k: usize| self.records[k].training.is_empty();
+        let is_split =
+            |k: usize| !is_left_out(k) && self.records[k].training.end < self.records[k].rows.end;
+        (0..self.records.len()).any(is_split).then(|| self.without(is_left_out))
+    }
+
     /// Measured less simulated at the rows of the fit.
     pub(crate) fn fit_residual(&self, simulated: &[f64]) -> Vec<f64> {
         let at = |row: &u32| {

@@ -210,7 +210,7 @@ impl Run<'_> {
         if !has_gap(retuned, scale.adequate) || !is_held_out_alone {
             return (task, base);
         }
-        let data = task.data.without(|_| false);
+        let Some(data) = task.data.with_all_rows() else { return (task, base) };
         let search = self.search_in(&task, &[], scale);
         let fitter = Fitter { data: &data, ..search.fitter() };
         let fit = fitter.fit_again(&retuned.chain, &retuned.fit.theta);

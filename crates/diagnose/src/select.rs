@@ -234,7 +234,7 @@ impl<'a> Search<'a> {
             })
             .collect();
         // A thorough fit is for what promises most: a formula of which that is not so is taken as it comes.
-        let fitted: Vec<Option<Candidate>> = to_fit
+        let mut fitted: Vec<Option<Candidate>> = to_fit
             .par_iter()
             .with_max_len(1)
             .map(|k| {
@@ -245,13 +245,7 @@ impl<'a> Search<'a> {
             })
             .collect();
         // A resonance that moved by more than its width promises nothing in the first order.
-        let left = fitted.iter().flatten().map(|c| c.fit.mean_square);
-        let least = left.fold(f64::INFINITY, f64::min);
-        let fitted: Vec<Option<Candidate>> = fitted
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|c| c.map(|c| self.resonance_elsewhere(c, least)))
-            .collect();
+        self.resonance_elsewhere(&mut fitted);
         let mut looked: Vec<Looked> = families
             .iter()
             .map(|(family, screening)| Looked {

@@ -77,3 +77,14 @@ fn a_resonance_far_from_where_it_was_is_found_under_a_strong_harmonic() {
     let gap = diagnose_machine(&machine, vec![machine.log(0, &u)], &[]);
     assert_eq!(gap.effects[0].effect, "resonance_shift", "{}", gap.sentence);
 }
+
+#[test]
+fn a_resonance_far_from_the_models_is_no_further_mode() {
+    for frequency in [0.5, 0.7, 1.6] {
+        let own = Machine::new(56, 0.5).frequency;
+        let machine = Machine { frequency: frequency * own, ..Machine::new(56, 0.5) };
+        let gap = diagnose_machine(&machine, vec![machine.log(0, &triangle(17.0, 6400))], &[]);
+        let names: Vec<&str> = gap.effects.iter().map(|e| e.effect.as_str()).collect();
+        assert_eq!(names, ["resonance_shift"], "{frequency}: {}", gap.sentence);
+    }
+}

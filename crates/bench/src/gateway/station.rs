@@ -4,8 +4,8 @@
 use std::thread::sleep;
 use std::time::Duration;
 
-/// From which the wait for an answer follows where none is given, in s.
-pub(super) const PERIOD: f64 = 0.5;
+/// From which the wait for an answer follows where none is given, in s. Nothing waits for the instrument in real time.
+pub(super) const PERIOD: f64 = 1.5;
 /// Steps in which an axis is led to the start of a wave, and the time between them.
 const LEAD: u32 = 25;
 const LEAD_STEP: Duration = Duration::from_millis(8);

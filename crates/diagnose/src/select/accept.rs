@@ -99,7 +99,7 @@ impl Search<'_> {
         if open.is_empty() {
             return;
         }
-        let complete = self.data.without(|_| false);
+        let Some(complete) = self.data.with_all_rows() else { return };
         let fitter = Fitter { data: &complete, ..self.fitter() };
         let (rows, sight) = (fitter.effective(), self.sight(base));
         let over_all = |c: &Candidate| {

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use super::memo::Part;
 use super::{Candidate, Search, has_gap};
+use crate::chain::Chain;
 use crate::score::explained;
-use crate::thresholds::{base, search};
+use crate::thresholds::{base, belief, search};
 
 impl Search<'_> {
     /// A better fit of the last effect, where one of its times, rates or widths starts from elsewhere: plays whose
@@ -40,24 +41,83 @@ impl Search<'_> {
     /// A better fit where one that releases parameters of the model ended far above the mean square that it promised:
     /// a resonance under a strong harmonic has several best places nearby.
     pub(super) fn released_elsewhere(&self, fit: Candidate, promised: f64) -> Candidate {
-        let is_stuck = |c: &Candidate| {
-            c.fit.mean_square > search::Thresholds::STUCK * promised.max(self.adequate)
-        };
-        let released = fit.chain.parameters.iter().enumerate();
-        let released: Vec<(usize, f64)> = released
-            .filter(|(_, p)| p.is_base && p.prior == 0.0)
-            .map(|(k, p)| (k, p.low / -base::Thresholds::RELEASED_DOWN))
-            .collect();
-        if !is_stuck(&fit)
-            || fit.chain.is_costly()
-            || released.len() > search::Thresholds::AWAY_MOVED
-        {
+        if !self.is_above(&fit, search::Thresholds::STUCK * promised.max(self.adequate)) {
             return fit;
         }
-        let starts = released.iter().flat_map(|(k, complete)| {
-            search::Thresholds::RELEASED_SHIFTS.map(|by| (*k, by * complete))
+        let starts = released(&fit.chain).into_iter().flat_map(|(k, complete)| {
+            search::Thresholds::RELEASED_SHIFTS.map(|by| (k, by * complete))
         });
-        let starts: Vec<(usize, f64)> = starts.collect();
+        self.from_starts(fit, &starts.collect::<Vec<_>>())
+    }
+
+    /// As `released_elsewhere` for fits of a resonance that ended far above what another family leaves: from the places along
+    /// the whole range where the model, simulated with nothing fitted, leaves least, and from the best of them to the end.
+    pub(super) fn resonance_elsewhere(&self, fitted: &mut [Option<Candidate>]) {
+        let left = fitted.iter().flatten().map(|c| c.fit.mean_square);
+        let least = left.fold(f64::INFINITY, f64::min);
+        // It takes many simulations: where another family leaves so little that it would be named.
+        if least > search::Thresholds::STUCK * self.adequate {
+            return;
+        }
+        let is_resonance = |c: &Candidate| {
+            let last = c.picks.last();
+            last.is_some_and(|(f, _)| self.library[*f].effect.name == effects::RESONANCE_SHIFT.name)
+        };
+        let mut stuck: Vec<&mut Candidate> = fitted
+            .iter_mut()
+            .flatten()
+            .filter(|c| is_resonance(c) && self.is_above(c, belief::Thresholds::ALIKE * least))
+            .collect();
+        // Formulas of a resonance differ in what else they fit.
+        let starts = stuck.first().map(|c| self.resonance_starts(c)).unwrap_or_default();
+        if starts.is_empty() {
+            return;
+        }
+        stuck.par_iter_mut().with_max_len(1).for_each(|c| {
+            let other = self.from_starts(c.clone(), &starts);
+            if other.rank < c.rank {
+                let fit = self.fitter().fit(&other.chain, &other.fit.theta).ok();
+                let end = fit.and_then(|fit| {
+                    self.candidate(other.picks.clone(), other.chain.clone(), fit).ok()
+                });
+                **c = end.filter(|end| end.rank < other.rank).unwrap_or(other);
+            }
+        });
+    }
+
+    /// Places away from where the fit ended that leave little, as the number of the parameter and its coordinate.
+    fn resonance_starts(&self, fit: &Candidate) -> Vec<(usize, f64)> {
+        let released = released(&fit.chain).into_iter();
+        let places = released.flat_map(|(k, complete)| {
+            let (now, step) = (fit.fit.theta[k], search::Thresholds::RESONANCE_STEP - 1.0);
+            search::Thresholds::resonance_places()
+                .map(move |to| (k, (to - 1.0) * complete))
+                .filter(move |(_, to)| (to - now).abs() > step * (complete + now).abs())
+        });
+        let places: Vec<(usize, f64)> = places.collect();
+        let simulated = places.par_iter().with_max_len(1).filter_map(|(k, to)| {
+            let mut theta = fit.fit.theta.clone();
+            theta[*k] = *to;
+            let judged = self.judge.judge(&fit.chain, &theta, self.data, self.sigma, self.count);
+            Some((judged.ok()?.training, (*k, *to)))
+        });
+        let mut simulated: Vec<(f64, (usize, f64))> = simulated.collect();
+        simulated
+            .retain(|(left, _)| *left < search::Thresholds::RESONANCE_LEFT * fit.fit.mean_square);
+        simulated.sort_by(|a, b| a.0.total_cmp(&b.0));
+        simulated.truncate(search::Thresholds::RESONANCE_STARTS);
+        simulated.into_iter().map(|(_, start)| start).collect()
+    }
+
+    /// Whether a fit that releases a few parameters of the model leaves more than this mean square.
+    fn is_above(&self, fit: &Candidate, most: f64) -> bool {
+        fit.fit.mean_square > most
+            && !fit.chain.is_costly()
+            && released(&fit.chain).len() <= search::Thresholds::AWAY_MOVED
+    }
+
+    /// The best of the fits where one parameter starts elsewhere, and of the fit as it is.
+    fn from_starts(&self, fit: Candidate, starts: &[(usize, f64)]) -> Candidate {
         let tried = starts.par_iter().with_max_len(1).filter_map(|(k, to)| {
             let mut theta = fit.fit.theta.clone();
             theta[*k] = *to;
@@ -66,22 +126,6 @@ impl Search<'_> {
         });
         let best = tried.min_by(|a, b| a.rank.total_cmp(&b.rank));
         best.filter(|other| other.rank < fit.rank).unwrap_or(fit)
-    }
-
-    /// As `released_elsewhere` for a resonance that ended far above what another family leaves, and from there to the end.
-    pub(super) fn resonance_elsewhere(&self, fit: Candidate, least: f64) -> Candidate {
-        let family = fit.picks.last().map(|(family, _)| self.library[*family].effect.name);
-        let rank = fit.rank;
-        if family != Some(effects::RESONANCE_SHIFT.name) {
-            return fit;
-        }
-        let other = self.released_elsewhere(fit, least);
-        if other.rank >= rank {
-            return other;
-        }
-        let fit = self.fitter().fit(&other.chain, &other.fit.theta);
-        let end = fit.and_then(|fit| self.candidate(other.picks.clone(), other.chain.clone(), fit));
-        end.ok().filter(|end| end.rank < other.rank).unwrap_or(other)
     }
 
     /// Numbers of the parameters of the last effect that are fitted on a logarithmic scale and act in the simulation.
@@ -114,6 +158,14 @@ impl Search<'_> {
             .collect();
         tried.into_iter().flatten().min_by(|a, b| a.rank.total_cmp(&b.rank))
     }
+}
+
+/// The released parameters of the model: their numbers, and the coordinate by which one gains its own value.
+fn released(chain: &Chain) -> Vec<(usize, f64)> {
+    let all = chain.parameters.iter().enumerate();
+    all.filter(|(_, p)| p.is_base && p.prior == 0.0)
+        .map(|(k, p)| (k, p.low / -base::Thresholds::RELEASED_DOWN))
+        .collect()
 }
 
 #[cfg(test)]

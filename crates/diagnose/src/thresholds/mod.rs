@@ -26,6 +26,7 @@ mod tests {
             (0.5, "half of the gap's power"),
             (0.8, "four fifths of the gap"),
             (0.9, "nine tenths"),
+            (3.0, "three"),
             (4.0, "four"),
             (5.0, "five"),
             (6.0, "the sixth power"),
@@ -69,6 +70,13 @@ mod tests {
                 100.0 * Search::RELEASED_SHIFTS[3],
                 percent(Search::RELEASED_SHIFTS[5])
             ),
+            format!(
+                "{} to {} times the model's in steps of {}",
+                Search::RESONANCE_RANGE[0],
+                Search::RESONANCE_RANGE[1],
+                percent(Search::RESONANCE_STEP - 1.0)
+            ),
+            format!("the {} places", in_words(Search::RESONANCE_STARTS as f64)),
             format!("explain {}", in_words(Belief::POWER)),
             format!("a score of {} over the frequency bands", Belief::SCORE),
             format!(

@@ -115,6 +115,14 @@ impl Thresholds {
     pub(crate) const AWAY_MOVED: usize = 3;
     /// Shifts from which a released parameter of the model starts elsewhere, in parts of its value.
     pub(crate) const RELEASED_SHIFTS: [f64; 6] = [-0.03, 0.03, -0.07, 0.07, -0.15, 0.15];
+    /// Least and greatest place of a resonance that is looked for along the range, over the model's, and the step from one
+    /// to the next: about the width of a light mode.
+    pub(crate) const RESONANCE_RANGE: [f64; 2] = [0.3, 3.0];
+    pub(crate) const RESONANCE_STEP: f64 = 1.03;
+    /// Most that such a place leaves, over what the fit left.
+    pub(crate) const RESONANCE_LEFT: f64 = 2.0;
+    /// Places from which it is fitted.
+    pub(crate) const RESONANCE_STARTS: usize = 3;
     /// Error of a fit, over the promised one, above which the fit ended on the way.
     pub(crate) const STUCK: f64 = 4.0;
     /// Part of the gap that an effect must explain to start elsewhere: what explains little is not near.
@@ -123,4 +131,11 @@ impl Thresholds {
     pub(crate) const PARTS_KEPT: usize = 40;
     /// Relative difference of the mean squares up to which two fits of the same effects are one.
     pub(crate) const PARTS_SAME: f64 = 1e-3;
+
+    /// Places along the range, over the model's.
+    pub(crate) fn resonance_places() -> impl Iterator<Item = f64> {
+        let [least, greatest] = Self::RESONANCE_RANGE;
+        let steps = ((greatest / least).ln() / Self::RESONANCE_STEP.ln()).ceil() as i32;
+        (0..=steps).map(move |k| least * Self::RESONANCE_STEP.powi(k))
+    }
 }
