@@ -125,7 +125,9 @@ fn named(gap: &Gap, of: &str, s: &Shrink) -> String {
     }
     let how = match (s.fraction, s.ci95) {
         (Some(f), Some([low, high])) => {
-            let interval = format!("95 %: {:.0} to {:.0} %", percent(low), percent(high));
+            // One record does not show how records of another kind differ.
+            let of = if s.holdout.len() == 1 { " for a record like this one" } else { "" };
+            let interval = format!("95 %{of}: {:.0} to {:.0} %", percent(low), percent(high));
             match s.as_found.filter(|found| found - f > Thresholds::REPAIR_LOSS) {
                 None => format!(
                     "removes {:.0} % of the gap's power on held-out rows ({interval})",

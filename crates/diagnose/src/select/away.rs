@@ -47,7 +47,7 @@ impl Search<'_> {
         let starts = released(&fit.chain).into_iter().flat_map(|(k, complete)| {
             search::Thresholds::RELEASED_SHIFTS.map(|by| (k, by * complete))
         });
-        self.from_starts(fit, &starts.collect::<Vec<_>>())
+        self.best_of_starts(fit, &starts.collect::<Vec<_>>())
     }
 
     /// As `released_elsewhere` for fits of a resonance that ended far above what another family leaves: from the places along
@@ -74,7 +74,7 @@ impl Search<'_> {
             return;
         }
         stuck.par_iter_mut().with_max_len(1).for_each(|c| {
-            let other = self.from_starts(c.clone(), &starts);
+            let other = self.best_of_starts(c.clone(), &starts);
             if other.rank < c.rank {
                 let fit = self.fitter().fit(&other.chain, &other.fit.theta).ok();
                 let end = fit.and_then(|fit| {
@@ -117,7 +117,7 @@ impl Search<'_> {
     }
 
     /// The best of the fits where one parameter starts elsewhere, and of the fit as it is.
-    fn from_starts(&self, fit: Candidate, starts: &[(usize, f64)]) -> Candidate {
+    fn best_of_starts(&self, fit: Candidate, starts: &[(usize, f64)]) -> Candidate {
         let tried = starts.par_iter().with_max_len(1).filter_map(|(k, to)| {
             let mut theta = fit.fit.theta.clone();
             theta[*k] = *to;
