@@ -95,19 +95,25 @@ struct Readings<'a> {
 impl Readings<'_> {
     /// The answer under a command that was played so; none where the model cannot be simulated.
     fn answer(&self, course: Course, data: &DataSet) -> Option<Outcome> {
-        let task = Task { course, data: data.played(course), ..self.fresh.clone() };
+        self.answer_of(course, data, self.fresh.max_effects)
+    }
+
+    /// As `answer`, of at most so many effects.
+    fn answer_of(&self, course: Course, data: &DataSet, max_effects: usize) -> Option<Outcome> {
+        let task = Task { course, data: data.played(course), max_effects, ..self.fresh.clone() };
         outcome::of(task, self.request, self.count).ok()
     }
 
-    /// The answer, or a better one among these readings; the search ends with the first that leaves nothing.
+    /// The answer, or a better one among these readings, each with the most effects that are looked for; the search ends with
+    /// the first that leaves nothing.
     fn taken(
         &self,
         mut outcome: Outcome,
-        courses: impl IntoIterator<Item = Course>,
+        courses: impl IntoIterator<Item = (Course, usize)>,
         is_better: impl Fn(&Outcome, &Outcome) -> bool,
     ) -> Outcome {
-        for course in courses {
-            let other = self.answer(course, &self.fresh.data);
+        for (course, most) in courses {
+            let other = self.answer_of(course, &self.fresh.data, most);
             let Some(other) = other.filter(|other| is_better(other, &outcome)) else { continue };
             outcome = other;
             if !has_gap(&outcome.found.last, outcome.adequate) {
@@ -119,7 +125,9 @@ impl Readings<'_> {
 
     /// In place of a mode near half the sample rate: a reading under which the command moves.
     fn without_mode(&self, outcome: Outcome, open: Vec<Course>) -> Outcome {
-        self.taken(outcome, open.into_iter().filter(|c| moves(*c)).rev(), |other, outcome| {
+        let open = open.into_iter().filter(|c| moves(*c)).rev();
+        let open = open.map(|course| (course, self.fresh.max_effects));
+        self.taken(outcome, open, |other, outcome| {
             let count = |o: &Outcome| o.found.last.picks.len();
             // With fewer effects it stands for the mode: what counts is what is left without that.
             let stands_for_it = count(other) < count(outcome)
@@ -140,7 +148,10 @@ impl Readings<'_> {
         let is_open = outcome.verdict == Verdict::Unknown;
         let others = tried.iter().map(|t| t.0);
         let others = others.filter(|c| is_open && moves(*c) && Some(*c) != pointed).take(2);
-        self.taken(outcome, pointed.into_iter().chain(others), |other, outcome| {
+        // One effect and the command explain all, or the reading is not taken: pairs take ten times as long.
+        let others = others.map(|course| (course, self.fresh.max_effects.min(1)));
+        let all = pointed.map(|course| (course, self.fresh.max_effects)).into_iter().chain(others);
+        self.taken(outcome, all, |other, outcome| {
             let leaves_less = other.left() < Thresholds::READING_LESS * outcome.left();
             // Where nothing pointed to it, it must leave nothing, and much less than the best single effect of the usual
             // reading, which a delay of half a row may imitate: else it helps wrong names.
@@ -158,7 +169,8 @@ impl Readings<'_> {
         let has_steps = self.fresh.data.has_steps() && course.between != Between::Zoh;
         let other = Course { is_stepped: !course.is_stepped, ..course };
         let is_tried = has_steps && names_lag(&outcome);
-        self.taken(outcome, is_tried.then_some(other), stands_for_effects)
+        let other = is_tried.then_some((other, self.fresh.max_effects));
+        self.taken(outcome, other, stands_for_effects)
     }
 
     /// With a model of several steps from row to row, where effects are missing and it has one: a held command stands for one

@@ -381,7 +381,7 @@ impl Run<'_> {
             adequate: scale.adequate,
             fine: scale.fine,
             count: self.count,
-            max_effects: self.request.max_effects,
+            max_effects: task.max_effects,
             memo: self.memo,
         }
     }

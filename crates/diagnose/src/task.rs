@@ -47,6 +47,8 @@ pub(crate) struct Task {
     pub(crate) warnings: Vec<String>,
     /// How the logs are read.
     pub(crate) course: Course,
+    /// Most effects that are looked for.
+    pub(crate) max_effects: usize,
     /// The axes with which it is coupled, where it is a motion.
     pub(crate) coupled: Option<Arc<Coupled>>,
 }
@@ -354,6 +356,7 @@ pub(crate) fn assemble(
         command_range: u.range,
         warnings,
         course,
+        max_effects: request.max_effects,
         coupled: None,
     })
 }
