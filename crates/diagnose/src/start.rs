@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicU64;
 
 use numerics::median;
 
+use crate::between::Between;
 use crate::chain::{Bench, Horizon};
 use crate::data_set::{DataSet, RecordRows};
 use crate::outcome::Outcome;
@@ -57,7 +58,8 @@ fn run_in(residual: &[f64]) -> Option<usize> {
 /// Takes each record from the rest that its first readings show, and says so; whether any is another one than
 /// that of the first row's command.
 pub(crate) fn find(task: &mut Task, base: &Candidate, count: &AtomicU64) -> bool {
-    if !task.base.is_white {
+    // A command that moves between the rows moves the machine before the row that shows it.
+    if !task.base.is_white || task.course.between != Between::Zoh {
         return false;
     }
     let sigma = task.noise.sigma * task.factor;
