@@ -42,33 +42,49 @@ fn drive(place: impl Fn(&str) -> String) {
     });
 }
 
+/// What a run says with `--json`, also one that ended in a fault.
+fn ran(call: &[&str], folder: &Path) -> serde_json::Value {
+    let output = common::piezoloop(&[&["--json"], call].concat(), folder);
+    serde_json::from_slice(&output.stdout).expect("--json prints JSON")
+}
+
 fn drives(scheme: &str, protocol: &str, place: &str, identity: &str, mode: &str) {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let machine = instrument(scheme, protocol, place, here);
     let plan = "rate = 50\nsettle = 0.1\napproach = 0.5\npatience = 20\n\
                 [[axis]]\ncommand_limits = [0, 3]\ncommand_unit = \"um\"\nposition_unit = \"um\"\n\
                 [watch]\nhold = 100\nmax_age = 100\n\
                 [[sequence]]\nkind = \"rest\"\nseconds = 1\nat = [2]\n";
     std::fs::write(here.join("plan.toml"), plan).unwrap();
     let gateway = format!("{scheme}://{place}?timeout=2");
-    let call =
-        ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"];
-    let answer = json(&call, here);
+    let call = ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record"];
+    let mut runs = 0;
+    let (machine, record, answer) = loop {
+        runs += 1;
+        let machine = instrument(scheme, protocol, place, here);
+        let record = format!("run{runs}.csv");
+        let answer = ran(&[&call[..], &[&record]].concat(), here);
+        // A run during which this computer stood still measures the computer: it is repeated, twice at most.
+        if runs == 3 || answer["skipped"].as_u64().unwrap() < 5 {
+            break (machine, record, answer);
+        }
+        machine.signal("-TERM");
+        machine.end();
+    };
     assert_eq!(answer["reason"], "the plan has ended", "{answer:#}");
     let messages = answer["machine"].as_str().unwrap();
     assert!(messages.contains(identity) && messages.contains(mode), "{messages}");
-    let log = data::Log::read(&here.join("run.csv"), &data::ReadOptions::default()).unwrap();
+    let log = data::Log::read(&here.join(&record), &data::ReadOptions::default()).unwrap();
     let greatest = log.column("position[1]").unwrap().values.iter().fold(0.0_f64, |m, y| m.max(*y));
     assert!((1.5..2.5).contains(&greatest), "{greatest} um of 2");
-    assert_eq!(json(&["bench", "replay", "run.csv"], here)["different"], 0);
+    assert_eq!(json(&["bench", "replay", &record], here)["different"], 0);
     machine.signal("-TERM");
     let (messages, code) = machine.end();
     // A serial line has no connections.
     let connections = if place.starts_with('/') { "0 connections" } else { "1 connections" };
     assert!(code == Some(0) && messages.contains(connections), "{messages}");
 
-    let message = refuse(&call, here);
+    let message = refuse(&[&call[..], &["refused.csv"]].concat(), here);
     assert!(
         message.contains(&format!("{scheme}://{place}")) && message.contains("check power"),
         "{message}"

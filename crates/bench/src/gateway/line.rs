@@ -1,8 +1,8 @@
 //! The line to an instrument, and what can be wrong with an answer.
 
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpStream};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
@@ -28,6 +28,47 @@ pub trait Line: std::fmt::Debug {
 
     /// Closes it.
     fn close(&mut self);
+}
+
+/// Longest part of a wait. A time in which this computer stood still counts as one part: what answers may have stood
+/// still with it.
+const PART: Duration = Duration::from_millis(50);
+
+/// Waits in parts, up to `timeout`, until there is something; none: nothing came in time.
+pub(super) fn in_parts<T, E>(
+    timeout: Duration,
+    mut wait: impl FnMut(Duration) -> Result<Option<T>, E>,
+) -> Result<Option<T>, E> {
+    let mut left = timeout;
+    while !left.is_zero() {
+        let part = left.min(PART);
+        if let Some(something) = wait(part)? {
+            return Ok(Some(something));
+        }
+        left -= part;
+    }
+    Ok(None)
+}
+
+/// Time that is left for something, of which no standstill of this computer takes more than a part.
+#[derive(Debug)]
+pub(super) struct Patience {
+    left: Duration,
+    looked: Instant,
+}
+
+impl Patience {
+    pub(super) fn new(seconds: f64) -> Self {
+        Patience { left: Duration::from_secs_f64(seconds), looked: Instant::now() }
+    }
+
+    /// Whether the time is over; to be asked often.
+    pub(super) fn is_over(&mut self) -> bool {
+        let now = Instant::now();
+        self.left = self.left.saturating_sub((now - self.looked).min(10 * PART));
+        self.looked = now;
+        self.left.is_zero()
+    }
 }
 
 /// Why there is no good answer.
@@ -124,6 +165,11 @@ impl Options {
     }
 }
 
+/// Whether a reader with a timeout may go on: nothing came yet, or a signal, such as that after a standstill, ended its wait.
+pub(super) fn is_none_yet(error: &std::io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
+}
+
 /// A line over TCP.
 #[derive(Debug)]
 pub struct TcpLine {
@@ -160,8 +206,14 @@ impl Line for TcpLine {
 
     fn read(&mut self, bytes: &mut [u8], timeout: Duration) -> Result<usize, String> {
         let stream = self.stream()?;
-        stream.set_read_timeout(Some(timeout)).map_err(|error| error.to_string())?;
-        stream.read(bytes).map_err(|error| error.to_string())
+        let read = in_parts(timeout, |part| {
+            stream.set_read_timeout(Some(part))?;
+            match stream.read(bytes) {
+                Err(error) if is_none_yet(&error) => Ok(None),
+                done => done.map(Some),
+            }
+        });
+        read.map(Option::unwrap_or_default).map_err(|error| error.to_string())
     }
 
     fn close(&mut self) {
@@ -191,6 +243,30 @@ impl Line for NoLine {
     }
 
     fn close(&mut self) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_standstill_takes_one_part_of_a_wait() {
+        let mut waits = 0;
+        let came = in_parts(3 * PART, |_| {
+            waits += 1;
+            // Longer than the whole wait.
+            std::thread::sleep(4 * PART);
+            Ok::<_, String>((waits == 3).then_some(waits))
+        });
+        assert_eq!((came, waits), (Ok(Some(3)), 3));
+        assert_eq!(in_parts(3 * PART, |_| Ok::<Option<()>, String>(None)), Ok(None));
+
+        let mut patience = Patience::new(12.0 * PART.as_secs_f64());
+        std::thread::sleep(15 * PART);
+        assert!(!patience.is_over());
+        std::thread::sleep(5 * PART);
+        assert!(patience.is_over());
+    }
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use rustix::fs::{Mode, OFlags};
 use rustix::io::Errno;
 use rustix::termios::{self, ControlModes, OptionalActions, QueueSelector};
 
-use super::line::Line;
+use super::line::{Line, in_parts};
 
 /// The line is quiet when nothing came for so long.
 const QUIET: Duration = Duration::from_millis(30);
@@ -75,9 +75,9 @@ fn ready(port: &OwnedFd, what: PollFlags, timeout: Duration) -> bool {
 /// Writes all, unless nothing is taken for a second.
 fn write_all(port: &OwnedFd, mut bytes: &[u8]) -> Result<(), String> {
     while !bytes.is_empty() {
-        if !ready(port, PollFlags::OUT, MOST) {
-            return Err("the line takes nothing".to_owned());
-        }
+        let takes =
+            in_parts(MOST, |part| Ok::<_, String>(ready(port, PollFlags::OUT, part).then_some(())));
+        takes?.ok_or("the line takes nothing")?;
         match rustix::io::write(port, bytes) {
             Ok(count) => bytes = &bytes[count..],
             Err(Errno::AGAIN | Errno::INTR) => {}
@@ -127,7 +127,10 @@ impl Line for SerialLine {
     }
 
     fn read(&mut self, bytes: &mut [u8], timeout: Duration) -> Result<usize, String> {
-        read(self.port()?, bytes, timeout).map_err(|error| error.to_string())
+        let port = self.port()?;
+        let read =
+            in_parts(timeout, |part| read(port, bytes, part).map(|n| Some(n).filter(|n| *n > 0)));
+        read.map(Option::unwrap_or_default).map_err(|error| error.to_string())
     }
 
     fn close(&mut self) {

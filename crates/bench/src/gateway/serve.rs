@@ -1,12 +1,13 @@
 //! An emulated instrument on a TCP port or a pseudo terminal.
 
-use std::io::{ErrorKind, Read, Write};
+use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crate::clock::now_ns;
 use crate::emulate::{Instrument, PlantError};
+use crate::gateway::line::is_none_yet;
 #[cfg(unix)]
 use crate::gateway::serial;
 use crate::gateway::{GatewayError, Place};
@@ -79,7 +80,7 @@ impl Port {
                 };
                 match stream.read(buffer) {
                     Ok(length) if length > 0 => return length,
-                    Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+                    Err(error) if is_none_yet(&error) => {}
                     _ => *client = None,
                 }
                 0

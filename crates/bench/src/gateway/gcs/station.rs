@@ -7,12 +7,12 @@
 //! work with the Analog Input".
 
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::PATIENCE;
 use super::speech::Speech;
 use super::text;
-use crate::gateway::line::{Broken, Line, Options, in_turn};
+use crate::gateway::line::{Broken, Line, Options, Patience, in_turn};
 use crate::gateway::station::{Follow, Input, Law, NotchValues, Place, Recorded, Station, Wave};
 
 /// Points in one command.
@@ -207,8 +207,7 @@ impl GcsStation {
         go_on: &dyn Fn() -> bool,
     ) -> Result<Recorded, String> {
         let seconds = rows as f64 * f64::from(every) * self.cycle;
-        let until =
-            Instant::now() + Duration::from_secs_f64(1.2 * seconds) + Duration::from_secs(5);
+        let mut patience = Patience::new(1.2 * seconds + 5.0);
         loop {
             let answer = self.ask("DRL? 1")?;
             let count = answer.rsplit_once('=').and_then(|(_, n)| n.trim().parse::<usize>().ok());
@@ -216,7 +215,7 @@ impl GcsStation {
             if count >= rows {
                 break;
             }
-            if Instant::now() > until {
+            if patience.is_over() {
                 return Err(format!(
                     "the recorder holds {count} rows of {rows} and goes on no more"
                 ));

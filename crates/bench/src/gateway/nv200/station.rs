@@ -9,10 +9,10 @@
 mod analog;
 
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::{Nv200Device, PATIENCE, explained};
-use crate::gateway::line::{Broken, Line, Options, in_turn};
+use crate::gateway::line::{Broken, Line, Options, Patience, in_turn};
 use crate::gateway::station::{Follow, Input, Law, NotchValues, Place, Recorded, Station, Wave};
 
 /// Step of generator, recorder and servo, in s.
@@ -116,10 +116,9 @@ impl Nv200Station {
     }
 
     fn wait(&mut self, seconds: f64, go_on: &dyn Fn() -> bool) -> Result<(), String> {
-        let until =
-            Instant::now() + Duration::from_secs_f64(1.2 * seconds) + Duration::from_secs(5);
+        let mut patience = Patience::new(1.2 * seconds + 5.0);
         while self.number("recrun")? != 0.0 {
-            if Instant::now() > until {
+            if patience.is_over() {
                 return Err("the recorder does not come to its end".to_owned());
             }
             if !go_on() {
