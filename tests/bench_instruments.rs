@@ -42,12 +42,6 @@ fn drive(place: impl Fn(&str) -> String) {
     });
 }
 
-/// What a run says with `--json`, also one that ended in a fault.
-fn ran(call: &[&str], folder: &Path) -> serde_json::Value {
-    let output = common::piezoloop(&[&["--json"], call].concat(), folder);
-    serde_json::from_slice(&output.stdout).expect("--json prints JSON")
-}
-
 fn drives(scheme: &str, protocol: &str, place: &str, identity: &str, mode: &str) {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
@@ -63,9 +57,13 @@ fn drives(scheme: &str, protocol: &str, place: &str, identity: &str, mode: &str)
         runs += 1;
         let machine = instrument(scheme, protocol, place, here);
         let record = format!("run{runs}.csv");
-        let answer = ran(&[&call[..], &[&record]].concat(), here);
+        let call = [&["--json"], &call[..], &[&record]].concat();
+        let output = common::piezoloop(&call, here);
+        let answer: serde_json::Value =
+            serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{output:?}"));
         // A run during which this computer stood still measures the computer: it is repeated, twice at most.
-        if runs == 3 || answer["skipped"].as_u64().unwrap() < 5 {
+        if runs == 3 || answer["skipped"].as_u64().is_none_or(|missed| missed < 5) {
+            assert!(output.status.success(), "{answer:#}");
             break (machine, record, answer);
         }
         machine.signal("-TERM");

@@ -50,7 +50,8 @@ pub(super) fn in_parts<T, E>(
     Ok(None)
 }
 
-/// Time that is left for something, of which no standstill of this computer takes more than a part.
+/// Time that is left for something, of which no standstill of this computer takes more than ten parts: between two looks
+/// there may be a whole exchange.
 #[derive(Debug)]
 pub(super) struct Patience {
     left: Duration,

@@ -65,19 +65,23 @@ fn set_raw(port: &OwnedFd, baud: Option<u32>) -> Result<(), Errno> {
 /// Whether the port is ready within this time.
 fn ready(port: &OwnedFd, what: PollFlags, timeout: Duration) -> bool {
     let mut ports = [PollFd::new(port, what)];
-    let timeout = Timespec {
-        tv_sec: timeout.as_secs().try_into().unwrap_or(i64::MAX),
-        tv_nsec: timeout.subsec_nanos().into(),
-    };
-    matches!(poll(&mut ports, Some(&timeout)), Ok(count) if count > 0)
+    let ready = in_parts(timeout, |part| {
+        // A part has no whole seconds.
+        let part = Timespec { tv_sec: 0, tv_nsec: part.subsec_nanos().into() };
+        match poll(&mut ports, Some(&part)) {
+            Err(Errno::INTR) => Ok(None),
+            done => done.map(|count| (count > 0).then_some(())),
+        }
+    });
+    matches!(ready, Ok(Some(())))
 }
 
 /// Writes all, unless nothing is taken for a second.
 fn write_all(port: &OwnedFd, mut bytes: &[u8]) -> Result<(), String> {
     while !bytes.is_empty() {
-        let takes =
-            in_parts(MOST, |part| Ok::<_, String>(ready(port, PollFlags::OUT, part).then_some(())));
-        takes?.ok_or("the line takes nothing")?;
+        if !ready(port, PollFlags::OUT, MOST) {
+            return Err("the line takes nothing".to_owned());
+        }
         match rustix::io::write(port, bytes) {
             Ok(count) => bytes = &bytes[count..],
             Err(Errno::AGAIN | Errno::INTR) => {}
@@ -127,10 +131,7 @@ impl Line for SerialLine {
     }
 
     fn read(&mut self, bytes: &mut [u8], timeout: Duration) -> Result<usize, String> {
-        let port = self.port()?;
-        let read =
-            in_parts(timeout, |part| read(port, bytes, part).map(|n| Some(n).filter(|n| *n > 0)));
-        read.map(Option::unwrap_or_default).map_err(|error| error.to_string())
+        read(self.port()?, bytes, timeout).map_err(|error| error.to_string())
     }
 
     fn close(&mut self) {
