@@ -1,5 +1,5 @@
-//! A gap in a mode that several outputs share is one cause: it is named once, for all outputs, and the repaired FMU
-//! has it.
+//! A gap in a mode that several outputs share is one cause: it is named once, for all outputs, and the repaired model
+//! has it, a blueprint or an FMU. In a blueprint this holds also for what is missing in front of the modes.
 #![cfg(target_os = "linux")]
 
 use crate::common;
@@ -48,13 +48,19 @@ fn modes(axes: usize, random: &mut Random) -> Vec<Mode> {
 }
 
 fn blueprint(axes: usize, modes: &[Mode]) -> String {
+    blueprint_with(&vec![[""; 2]; axes], modes)
+}
+
+/// With these components before and behind the actuator of each axis.
+fn blueprint_with(beside: &[[&str; 2]], modes: &[Mode]) -> String {
+    let axes = beside.len();
     let mut text = format!("piezoloop = 1\nkind = \"plant\"\nname = \"mirror\"\nstep = {STEP}\n");
-    for k in 1..=axes {
+    for (k, [before, behind]) in (1..).zip(beside) {
         let _ = write!(
             text,
             "[[axis]]\nname = \"A{k}\"\ncommand = {{ name = \"u{k}\", unit = \"V\", min = 0, max = 150 }}\n\
-             position = {{ name = \"y{k}\", unit = \"um\" }}\n[[axis.component]]\ntype = \"prandtl-ishlinskii\"\n\
-             r = [0, 15, 30, 45]\nw = [0.06, 0.014, 0.012, 0.012]\n"
+             position = {{ name = \"y{k}\", unit = \"um\" }}\n{before}[[axis.component]]\ntype = \"prandtl-ishlinskii\"\n\
+             r = [0, 15, 30, 45]\nw = [0.06, 0.014, 0.012, 0.012]\n{behind}"
         );
     }
     let names: Vec<String> = (1..=axes).map(|k| format!("A{k}")).collect();
@@ -164,25 +170,32 @@ fn is_named_once(
         measure(name, &commands, &mut random, path);
     }
     for &has_tolerances in tolerances {
-        is_named_in(path, (axes, outputs, has_tolerances), effect, most);
+        // An FMU takes ten times as long.
+        let kinds: &[&str] = if axes == 2 { &["fmu", "toml"] } else { &["toml"] };
+        for model in kinds {
+            is_named_in(path, model, (axes, outputs, has_tolerances), effect, most);
+        }
     }
 }
 
-/// As [`is_named_once`], of logs and a model in this folder, with tolerances of the modes or without any.
+/// As [`is_named_once`], of logs and a model of this kind in this folder, with tolerances of the modes or without any.
 fn is_named_in(
     path: &Path,
+    kind: &str,
     (axes, outputs, has_tolerances): (usize, usize, bool),
     effect: &str,
     most: f64,
 ) {
     let (names, noise) = (names(axes), NOISE.to_string());
-    let mut call = diagnose("model.fmu", &noise, &names);
-    call.extend(["--repair", "repaired.fmu"]);
+    let [model, repaired] = ["model", "repaired"].map(|name| format!("{name}.{kind}"));
+    let mut call = diagnose(&model, &noise, &names);
+    call.extend(["--repair", &repaired]);
     if has_tolerances {
         call.extend(["--tune", "*.frequency*=0.01", "--tune", "*.damping*=0.1"]);
     }
     let gap: Value = json(&call, path);
-    let sentence = format!("seed {SEED}, tolerances {has_tolerances}: {}", gap["sentence"]);
+    let sentence =
+        format!("seed {SEED}, {model}, tolerances {has_tolerances}: {}", gap["sentence"]);
     println!("{sentence}");
     let found: Vec<&Value> = gap["effects"].as_array().expect("effects").iter().collect();
     assert_eq!(found.len(), 1, "{sentence}");
@@ -190,8 +203,7 @@ fn is_named_in(
     let also = found[0]["also"].as_array().expect("the other outputs");
     assert_eq!(also.len() + 1, outputs, "{sentence}");
     assert_eq!(found[0]["set"].as_array().map(Vec::len), Some(1), "{sentence} {}", found[0]);
-    let [before, after] =
-        ["model.fmu", "repaired.fmu"].map(|fmu| left_of_unseen(fmu, &names, path));
+    let [before, after] = [&model, &repaired].map(|model| left_of_unseen(model, &names, path));
     println!("{before:?} before, {after:?} after");
     assert_eq!(after.len(), axes);
     for (before, after) in before.iter().zip(&after) {
@@ -239,6 +251,31 @@ fn a_mode_that_another_command_moves_is_a_coupling_of_one_output() {
     is_named_once((2, 1), &[true, false], add, "cross_coupling", 0.15);
 }
 
+/// Creep of the actuator of one axis of three, or a slow amplifier in front of it, moves all readings.
+#[test]
+fn what_is_missing_in_front_of_the_modes_is_found_in_its_axis() {
+    let creep = "[[axis.component]]\ntype = \"kelvin-voigt-creep\"\nshare = [0.03, 0.02]\ntime_constant = [0.02, 0.2]\n";
+    let lag = "[[axis.component]]\ntype = \"amplifier-lag\"\nbandwidth = 600\n";
+    let none = ["", ""];
+    for (components, effect) in
+        [([none, ["", creep], none], "creep"), ([[lag, ""], none, none], "amplifier_bandwidth")]
+    {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path();
+        let mut random = Random(SEED ^ 7);
+        let all = modes(3, &mut random);
+        fs::write(path.join("model.toml"), blueprint(3, &all)).expect("the folder is writable");
+        let truth = blueprint_with(&components, &all);
+        fs::write(path.join("truth.toml"), truth).expect("the folder is writable");
+        for (name, levels) in
+            [("waves", false), ("levels", true), ("more", false), ("unseen", false)]
+        {
+            measure(name, &commands(3, levels, &mut random), &mut random, path);
+        }
+        is_named_in(path, "toml", (3, 3, false), effect, 0.01);
+    }
+}
+
 #[test]
 fn an_output_that_nothing_explains_is_not_hidden_by_what_is_found_in_another() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -281,41 +318,43 @@ fn an_output_that_nothing_explains_is_not_hidden_by_what_is_found_in_another() {
 }
 
 #[test]
-fn a_blueprint_whose_modes_join_its_axes_is_packed_and_diagnosed() {
+fn a_blueprint_whose_modes_join_its_axes_is_repaired_as_a_blueprint_or_as_an_fmu() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
     let mut random = Random(SEED);
     let mut all = modes(2, &mut random);
-    // A tolerance of the blueprint counts as one of the FMU.
     let with_tolerance = blueprint(2, &all) + "tolerance = { frequency = 0.02 }\n";
-    fs::write(path.join("model.toml"), with_tolerance).expect("the folder is writable");
+    fs::write(path.join("model.toml"), &with_tolerance).expect("the folder is writable");
     all[0].damping *= 2.0;
     fs::write(path.join("truth.toml"), blueprint(2, &all)).expect("the folder is writable");
     for (name, levels) in [("waves", false), ("levels", true), ("more", false), ("unseen", false)] {
         measure(name, &commands(2, levels, &mut random), &mut random, path);
     }
-    let names = names(2);
-    let noise = NOISE.to_string();
+    let (names, noise) = (names(2), NOISE.to_string());
     let call = diagnose("model.toml", &noise, &names);
-    let gap = json(&[&call[..], &["--repair", "repaired.fmu"]].concat(), path);
-    assert_eq!(gap["effects"][0]["effect"], "damping", "seed {SEED}: {}", gap["sentence"]);
-    assert_eq!(
-        gap["effects"].as_array().map(Vec::len),
-        Some(1),
-        "seed {SEED}: {}",
-        gap["sentence"]
-    );
-    assert_eq!(gap["provenance"]["model"], "mirror");
-    let notes: Vec<&str> =
-        gap["warnings"].as_array().expect("notes").iter().filter_map(Value::as_str).collect();
-    assert!(notes[0].contains("packed") && notes[0].contains("modes"), "{notes:?}");
-    let has_none = |note: &&&str| note.contains("no parameter of the model has a tolerance");
-    assert_eq!(notes.iter().find(has_none), None);
-    for left in left_of_unseen("repaired.fmu", &names, path) {
-        assert!(left < 1.1 * NOISE, "seed {SEED}: {left} um on a new record");
+    for repaired in ["repaired.fmu", "repaired.toml"] {
+        let gap = json(&[&call[..], &["--repair", repaired]].concat(), path);
+        let found: Vec<&Value> = gap["effects"].as_array().expect("effects").iter().collect();
+        let effects: Vec<&Value> = found.iter().map(|e| &e["effect"]).collect();
+        assert_eq!(effects, ["damping"], "seed {SEED}: {}", gap["sentence"]);
+        assert_eq!(gap["provenance"]["model"], "mirror");
+        let notes = gap["warnings"].as_array().expect("notes").iter();
+        let notes: Vec<&str> = notes.filter_map(Value::as_str).collect();
+        let has = |text: &str| notes.iter().any(|note| note.contains(text));
+        assert!(!has("packed") && !has("no parameter of the model has a tolerance"), "{notes:?}");
+        for left in left_of_unseen(repaired, &names, path) {
+            assert!(left < 1.1 * NOISE, "seed {SEED}: {left} um on a new record");
+        }
     }
-    // What cannot be written into the blueprint is refused before the diagnosis.
+    // A coupling that is no sum of ways is packed, and what cannot be written into the blueprint is refused before the
+    // diagnosis.
+    let softening = with_tolerance.replace("\"modal-matrix\"", "\"softening-modes\"")
+        + "frequency_shift = [-0.01, -0.01]\ndamping_growth = [0, 0]\namplitude = [1, 1]\nexponent = 1\n\
+           time_constant = 0.1\n";
+    fs::write(path.join("model.toml"), softening).expect("the folder is writable");
+    let gap = json(&call, path);
+    let note = gap["warnings"][0].as_str().expect("a note");
+    assert!(note.contains("packed") && note.contains("no sum of linear ways"), "{note}");
     let text = refuse(&[&call[..], &["--repair", "repaired.toml"]].concat(), path);
     assert!(text.contains("repaired.toml") && text.contains(".fmu"), "{text}");
-    assert!(!path.join("repaired.toml").exists());
 }

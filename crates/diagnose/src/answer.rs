@@ -28,14 +28,21 @@ use crate::thresholds::answer::Thresholds;
 
 /// Puts the answer together.
 pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> Gap {
-    let size = |o: &Outcome| o.found.base.judged.held_out;
+    let size = |o: &Outcome| o.before().held_out;
     let main = (0..outcomes.len())
         .max_by(|a, b| size(&outcomes[*a]).total_cmp(&size(&outcomes[*b])).then(b.cmp(a)))
         .unwrap_or(0);
-    let outputs: Vec<OutputGap> = outcomes.iter().map(|o| output(o, request.seed)).collect();
+    let mut outputs: Vec<OutputGap> = outcomes.iter().map(|o| output(o, request.seed)).collect();
     let effects: Vec<NamedEffect> = outcomes.iter().flat_map(named).collect();
+    let effects = shared::moving(effects, outcomes);
     let mut effects = shared::once(effects, outcomes, &outcomes[main].task.output);
     effects.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+    for (own, o) in outputs.iter_mut().zip(outcomes).filter(|(_, o)| !o.moved_by.is_empty()) {
+        let moving = effects.iter().filter(|e| e.also.contains(&o.task.output));
+        own.effects.extend(moving.map(|e| e.effect.clone()));
+        own.effects.sort();
+        own.effects.dedup();
+    }
     let outcome = &outcomes[main];
     let maps = maps(outcome);
     let stage = effects.iter().find(|e| e.output == outcome.task.output).map(|e| e.stage.clone());
@@ -116,7 +123,7 @@ pub(crate) fn hand_back(gap: &mut Gap, outcomes: &[Outcome], after: &[Option<Jud
     let mut of_main = None;
     for (o, after) in outcomes.iter().zip(after) {
         // Of a course that no model predicts nothing is written.
-        let is_written = !o.found.last.picks.is_empty() && o.predicted.is_none();
+        let is_written = o.is_explained() && o.predicted.is_none();
         let Some(after) = after.as_ref().filter(|_| is_written) else { continue };
         let Some(own) = gap.outputs.iter_mut().find(|own| own.output == o.task.output) else {
             continue;
@@ -137,7 +144,7 @@ fn output(o: &Outcome, seed: u64) -> OutputGap {
     let last = &o.found.last.judged;
     let mut shrink = shrink(o, o.with_effects(), seed);
     if o.predicted.is_some() {
-        shrink.own_course = crate::shrink::fraction(o.found.base.judged.held_out, last.held_out);
+        shrink.own_course = crate::shrink::fraction(o.before().held_out, last.held_out);
     }
     OutputGap {
         output: o.task.output.clone(),
@@ -152,11 +159,11 @@ fn output(o: &Outcome, seed: u64) -> OutputGap {
 
 fn shrink(o: &Outcome, after: &Judged, seed: u64) -> Shrink {
     let range = 2.0 * o.task.data.output_span.half / o.task.factor;
-    let stages = steps::against_noise(o, [&o.given, &o.found.base.judged, after]);
+    let stages = steps::against_noise(o, [o.as_given(), o.before(), after]);
     let sigma = o.task.steps.map_or(o.sigma, |steps| steps.beside);
     let [given, before, after] = match &stages {
         Some([given, before, after]) => [given, before, after],
-        None => [&o.given, &o.found.base.judged, after],
+        None => [o.as_given(), o.before(), after],
     };
     let evidence = Evidence {
         data: &o.task.data,
@@ -177,7 +184,7 @@ fn shrink(o: &Outcome, after: &Judged, seed: u64) -> Shrink {
             let (before, after) = offset.as_it_stands;
             [before / factor, after / factor]
         }),
-        ..evidence.shrink(!o.found.last.picks.is_empty() || stages.is_some())
+        ..evidence.shrink(o.is_explained() || stages.is_some())
     }
 }
 

@@ -11,7 +11,7 @@ use surround::Memory;
 use self::compose::Composer;
 use crate::black_box::BlackBox;
 use crate::chain::{Chain, ComponentNode, Node};
-use crate::coupled;
+use crate::coupled::{self, Front, Joint};
 use crate::error::Error;
 use crate::library::{Formula, Slot};
 use crate::request::{Deviation, Tolerance};
@@ -55,6 +55,8 @@ pub(crate) enum Part {
     /// From the command to the motion in front of couplings, which is worked out of the readings of several axes: no
     /// sensor is its own.
     Motion,
+    /// From the command to the path in front of the coupling of this number.
+    Front(usize),
     /// What a sensor makes of the position that the model gives it: components from this number on.
     Reading(usize),
 }
@@ -78,6 +80,17 @@ pub(crate) struct Base {
     pub(crate) is_white: bool,
     /// Which part of an axis it is.
     pub(crate) part: Part,
+    /// What other readings of the same coupling show of it: where a search may start.
+    pub(crate) hints: Vec<Hint>,
+}
+
+/// What another reading shows of a coupling of several axes.
+#[derive(Clone, Debug)]
+pub(crate) struct Hint {
+    /// Coordinates of parameters of the model, by name.
+    pub(crate) released: Vec<(String, f64)>,
+    /// Frequency of a further mode in Hz.
+    pub(crate) frequency: Option<f64>,
 }
 
 impl Base {
@@ -115,6 +128,7 @@ impl Base {
             gain_tolerance,
             is_white: true,
             part,
+            hints: Vec::new(),
         };
         let mut series: Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)> = Vec::new();
         for (place, (spec, messages)) in
@@ -122,9 +136,17 @@ impl Base {
         {
             series.push((Standing { place, coupling: None }, spec, messages));
         }
-        series.extend(couplings_in_series(blueprint, (number, part))?);
-        if let Part::Reading(from) = part {
-            series.retain(|(at, ..)| at.place >= from && at.coupling.is_none());
+        series.extend(couplings_of(blueprint, (number, part)));
+        match part {
+            Part::Reading(from) => {
+                series.retain(|(at, ..)| at.place >= from && at.coupling.is_none());
+            }
+            Part::Front(coupling) => {
+                let coupling = &blueprint.spec().connections.couplings[coupling];
+                let end = blueprint.before_coupling(coupling, number - 1);
+                series.retain(|(at, ..)| at.place < end);
+            }
+            Part::Axis | Part::Motion => {}
         }
         // A coupling stands in front of the component of its number; the sort keeps its place.
         series.sort_by_key(|(at, ..)| (at.place, at.coupling.is_none()));
@@ -134,6 +156,9 @@ impl Base {
             if is_noise(declaration) || !spec.enabled {
                 continue;
             }
+            let coupling =
+                standing.coupling.map(|k| (k, &blueprint.spec().connections.couplings[k]));
+            let joint = coupling.filter(|(_, coupling)| coupling.axes.len() > 1).map(|(k, _)| k);
             if !(declaration.inputs.len() == 1 || reads_command(declaration)) {
                 let reason = format!(
                     "axis[{number}].{} ({}) reads other signals than its axis' own",
@@ -155,7 +180,12 @@ impl Base {
                 _ => &axis.position_unit,
             };
             let units = (axis.command_unit.as_str(), position_unit);
-            base.component(units, &path, spec, messages, tolerances);
+            let values = in_si(units, spec);
+            let joint = match joint {
+                Some(k) => Some(Joint::new(blueprint, (k, number - 1), &values)?),
+                None => None,
+            };
+            base.component(units, &path, (spec, &values), messages, tolerances, joint);
         }
         base.place_slots(&stages);
         Ok(base)
@@ -183,25 +213,26 @@ impl Base {
         &mut self,
         (command_unit, position_unit): (&str, &str),
         path: &str,
-        spec: &NodeSpec,
+        (spec, values): (&NodeSpec, &[f64]),
         messages: &data::ComponentBlueprint,
         tolerances: &[Tolerance],
+        joint: Option<Joint>,
     ) {
         let declaration = spec.component.declaration();
         let node = self.nodes.len();
-        let mut values = Vec::with_capacity(spec.values.len());
+        let takes = joint.as_ref().map(|joint| &joint.takes[..]);
         let mut at = 0;
         for (index, quantity) in declaration.parameters.iter().enumerate() {
             let text = unit_on_axis(quantity.unit, command_unit, position_unit);
             let unit = Unit::parse(&text).unwrap_or(Unit::ONE);
             let length = declaration.length(index, &spec.structure);
             let own = spec.values.get(at..at + length).unwrap_or_default();
-            values.extend(own.iter().map(|v| unit.to_si(*v)));
             if quantity.fit {
                 let path = format!("{path}.{}", quantity.name);
                 let relative = messages.tolerance.get(quantity.name).copied();
                 let effect = quantity.releases.map(|effect| effect.name);
-                let place = Place { node, path: &path, at, unit: &text, factor: unit.factor };
+                let place =
+                    Place { node, path: &path, at, unit: &text, factor: unit.factor, takes };
                 self.quantity(&place, own, relative, effect, tolerances);
             }
             at += length;
@@ -210,15 +241,18 @@ impl Base {
             self.mode = Some(node);
         }
         if declaration.conversion == Conversion::CommandToPosition {
-            self.memory = memory_of(spec, &values);
+            self.memory = memory_of(spec, values);
         }
-        self.nodes.push(Node::Component(ComponentNode {
-            component: spec.component.clone(),
-            structure: spec.structure.clone(),
-            values,
-            links: Vec::new(),
-            reads_command: reads_command(declaration),
-        }));
+        self.nodes.push(match joint {
+            Some(joint) => Node::Joint(joint),
+            None => Node::Component(ComponentNode {
+                component: spec.component.clone(),
+                structure: spec.structure.clone(),
+                values: values.to_vec(),
+                links: Vec::new(),
+                reads_command: reads_command(declaration),
+            }),
+        });
     }
 
     /// One quantity: a scalar, or the elements of an array that are not zero.
@@ -230,7 +264,8 @@ impl Base {
         effect: Option<&'static str>,
         tolerances: &[Tolerance],
     ) {
-        let live: Vec<usize> = (0..own.len()).filter(|k| own[*k] != 0.0).collect();
+        let is_live = |k: &usize| own[*k] != 0.0 && place.index(*k).is_some();
+        let live: Vec<usize> = (0..own.len()).filter(is_live).collect();
         let groups = live.len().min(Thresholds::MOST_OF_ARRAY);
         for g in 0..groups {
             let members = &live[g * live.len() / groups..(g + 1) * live.len() / groups];
@@ -241,10 +276,9 @@ impl Base {
                 format!("{}[{}]", place.path, first + 1)
             };
             let (tolerance, has_tolerance) = tolerance(&name, own[first], relative, tolerances);
-            let indices = members
-                .iter()
-                .map(|k| (place.at + k, tolerance * own[*k] / own[first] * place.factor))
-                .collect();
+            let deviation = |k: usize| tolerance * own[k] / own[first] * place.factor;
+            let indices =
+                members.iter().filter_map(|k| Some((place.index(*k)?, deviation(*k)))).collect();
             self.parameters.push(BaseParameter {
                 name,
                 unit: place.unit.to_owned(),
@@ -278,12 +312,32 @@ impl Base {
             gain_tolerance,
             is_white: false,
             part: Part::Reading(from),
+            hints: Vec::new(),
         }
     }
 
     /// Whether inputs beside the command act on it as they are logged.
     pub(crate) fn has_other_inputs(&self) -> bool {
-        !self.is_white && self.part == Part::Axis
+        (!self.is_white && self.part == Part::Axis) || self.joint().is_some()
+    }
+
+    /// The coupling of several axes behind its path.
+    pub(crate) fn joint(&self) -> Option<&Joint> {
+        self.nodes.iter().find_map(|node| match node {
+            Node::Joint(joint) => Some(joint),
+            _ => None,
+        })
+    }
+
+    /// The same with other fronts of some of the other axes.
+    pub(crate) fn with_fronts(&self, fronts: &BTreeMap<usize, Front>) -> Self {
+        let mut base = self.clone();
+        for node in &mut base.nodes {
+            if let Node::Joint(joint) = node {
+                *joint = joint.with_fronts(fronts);
+            }
+        }
+        base
     }
 
     /// What is before the actuator, for a column that reads the command there.
@@ -306,6 +360,7 @@ impl Base {
             gain_tolerance: self.gain_tolerance,
             is_white: self.is_white,
             part: self.part,
+            hints: Vec::new(),
         }
     }
 
@@ -329,6 +384,7 @@ impl Base {
             gain_tolerance: self.gain_tolerance,
             is_white: self.is_white,
             part: self.part,
+            hints: Vec::new(),
         }
     }
 
@@ -366,37 +422,27 @@ impl Base {
     }
 }
 
-/// The couplings that have one axis only, this one: components of it in a section of their own.
-///
-/// # Errors
-/// [`Error::Joined`]: another coupling reaches this axis, whose motion is not what is looked at.
-fn couplings_in_series(
+/// The couplings that act on this axis: components of it in a section of their own. Those of several axes stand behind a
+/// motion or a front, which is then what is looked at.
+fn couplings_of(
     blueprint: &CheckedBlueprint,
     (number, part): (usize, Part),
-) -> Result<Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)>, Error> {
+) -> Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)> {
     let spec = blueprint.spec();
     let mut all = Vec::new();
     let couplings = spec.connections.couplings.iter().zip(&blueprint.blueprint().couplings);
     for (k, (coupling, given)) in couplings.enumerate() {
-        if !coupling.axes.contains(&(number - 1)) || (coupling.axes.len() > 1 && part != Part::Axis)
+        let is_of_several = coupling.axes.len() > 1;
+        if !coupling.axes.contains(&(number - 1))
+            || (is_of_several && (part != Part::Axis || !coupling.node.enabled))
         {
-            continue;
-        }
-        if coupling.axes.len() > 1 && coupling.node.enabled {
-            return Err(coupled::refused(
-                blueprint,
-                &coupling.node.name,
-                "effects go in along one axis only",
-            ));
-        }
-        if coupling.axes.len() > 1 {
             continue;
         }
         let place = blueprint.before_coupling(coupling, number - 1);
         let standing = Standing { place, coupling: Some(k) };
         all.push((standing, &coupling.node, &given.component));
     }
-    Ok(all)
+    all
 }
 
 /// Whether a component is noise, which the diagnosis does not simulate.
@@ -411,6 +457,29 @@ struct Place<'a> {
     at: usize,
     unit: &'a str,
     factor: f64,
+    /// For each value of the node the number of the component's value that it is, where they are not the same.
+    takes: Option<&'a [usize]>,
+}
+
+impl Place<'_> {
+    /// Where the node has this element.
+    fn index(&self, element: usize) -> Option<usize> {
+        let own = self.at + element;
+        self.takes.map_or(Some(own), |takes| takes.iter().position(|k| *k == own))
+    }
+}
+
+/// A component's values in SI, on an axis with these units of the command and the position.
+pub(crate) fn in_si((command, position): (&str, &str), node: &NodeSpec) -> Vec<f64> {
+    let declaration = node.component.declaration();
+    let mut values = Vec::with_capacity(node.values.len());
+    for (index, quantity) in declaration.parameters.iter().enumerate() {
+        let unit =
+            Unit::parse(&unit_on_axis(quantity.unit, command, position)).unwrap_or(Unit::ONE);
+        let own = values.len()..values.len() + declaration.length(index, &node.structure);
+        values.extend(node.values.get(own).unwrap_or_default().iter().map(|v| unit.to_si(*v)));
+    }
+    values
 }
 
 /// One standard deviation in the parameter's unit, and whether anybody said so.

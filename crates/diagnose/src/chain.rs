@@ -12,6 +12,7 @@ pub(crate) use surround::Force;
 use surround::{Block, ForcedMode, Signals};
 
 use crate::black_box::BlackBox;
+use crate::coupled::Joint;
 use crate::data_set::{DataSet, RecordData};
 use crate::library::OWN_COMMAND;
 use crate::path_block::PathBlock;
@@ -95,6 +96,8 @@ pub(crate) enum Node {
     Block { block: PathBlock, takes: Vec<usize>, aux: usize, of_command: bool },
     /// The gain of the output: 1 + deviation·coordinate.
     Gain { parameter: usize, deviation: f64 },
+    /// A coupling of several axes, as one reading sees it.
+    Joint(Joint),
     /// An FMU.
     BlackBox(BlackBox),
 }
@@ -257,10 +260,16 @@ impl<'a> Bench<'a> {
         let drive = self.edge(self.chain.drive.min(k), first, aside);
         out.resize(self.data.command.len(), 0.0);
         let Some(node) = self.chain.nodes.get(k) else { return Err(Failed) };
-        if let Node::Component(component) = node {
-            return component.run(theta, self.data.step, &mut self.signals(component, x, out));
-        }
         let (parameters, step) = (&self.chain.parameters, self.data.step);
+        let records = (self.data, self.horizon);
+        if let Node::Component(component) = node {
+            return component.run_records(theta, records, x, out);
+        }
+        if let Node::Joint(joint) = node {
+            joint.own.run_records(theta, records, x, out)?;
+            joint.add((parameters, theta), records, x, out)?;
+            return self.ranges().try_for_each(|(_, range)| ends_finite(&out[range]));
+        }
         if let Node::Block { block, takes, aux, of_command } = node {
             let p: Vec<f64> = takes.iter().map(|k| parameters[*k].value(theta[*k])).collect();
             let block = block.prepare(&p, step).map_err(|_| Failed)?;
@@ -279,7 +288,7 @@ impl<'a> Bench<'a> {
         for (record, range) in self.ranges() {
             let (x, out) = (&x[range.clone()], &mut out[range.clone()]);
             match node {
-                Node::Component(_) | Node::Block { .. } => {}
+                Node::Component(_) | Node::Joint(_) | Node::Block { .. } => {}
                 Node::BeforeMode(mode) => {
                     let &[frequency, damping, _] = mode.values_at(theta).as_slice() else {
                         return Err(Failed);
@@ -307,33 +316,21 @@ impl<'a> Bench<'a> {
     }
 
     /// The records that are simulated, with their hits.
-    fn ranges(&self) -> impl Iterator<Item = (&'a RecordData, Range<usize>)> {
-        let horizon = self.horizon;
-        let range = move |record: &RecordData| match horizon {
-            Horizon::All => record.hits.clone(),
-            Horizon::Training => record.hits.start..record.training_hits_end,
-        };
-        self.data.records.iter().map(move |r| (r, range(r))).filter(|(_, range)| !range.is_empty())
+    fn ranges(&self) -> impl Iterator<Item = (&'a RecordData, Range<usize>)> + use<'a> {
+        ranges(self.data, self.horizon)
     }
+}
 
-    /// Input, command and output of each record.
-    fn signals<'s>(
-        &'s self,
-        component: &ComponentNode,
-        x: &'s [f64],
-        out: &'s mut [f64],
-    ) -> Vec<Record<'s>> {
-        let count = if component.reads_command { 2 } else { 1 };
-        let (mut rest, mut at) = (out, 0);
-        let mut records = Vec::with_capacity(self.data.records.len());
-        for (_, range) in self.ranges() {
-            let (out, behind) = rest[range.start - at..].split_at_mut(range.len());
-            (rest, at) = (behind, range.end);
-            let inputs = [&x[range.clone()], &self.data.command[range]];
-            records.push(Record { inputs, count, out, state: Vec::new() });
-        }
-        records
-    }
+/// The records of a data set that are simulated so far, with their hits.
+fn ranges(
+    data: &DataSet,
+    horizon: Horizon,
+) -> impl Iterator<Item = (&RecordData, Range<usize>)> + use<'_> {
+    let range = move |record: &RecordData| match horizon {
+        Horizon::All => record.hits.clone(),
+        Horizon::Training => record.hits.start..record.training_hits_end,
+    };
+    data.records.iter().map(move |r| (r, range(r))).filter(|(_, range)| !range.is_empty())
 }
 
 /// A NaN or an infinity anywhere stays until the end in every recursive block.
@@ -352,7 +349,7 @@ fn natural(parameters: &[Parameter], theta: &[f64], first: usize, count: usize) 
 
 impl ComponentNode {
     /// Values at this point, in SI.
-    fn values_at(&self, theta: &[f64]) -> Vec<f64> {
+    pub(crate) fn values_at(&self, theta: &[f64]) -> Vec<f64> {
         let mut values = self.values.clone();
         for link in &self.links {
             if let (Some(value), Some(q)) = (values.get_mut(link.index), theta.get(link.parameter))
@@ -361,6 +358,26 @@ impl ComponentNode {
             }
         }
         values
+    }
+
+    /// Runs the records of a data set side by side, from `x` to `out`, which are over its grid.
+    pub(crate) fn run_records(
+        &self,
+        theta: &[f64],
+        (data, horizon): (&DataSet, Horizon),
+        x: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), Failed> {
+        let count = if self.reads_command { 2 } else { 1 };
+        let (mut rest, mut at) = (out, 0);
+        let mut records = Vec::with_capacity(data.records.len());
+        for (_, range) in ranges(data, horizon) {
+            let (out, behind) = rest[range.start - at..].split_at_mut(range.len());
+            (rest, at) = (behind, range.end);
+            let inputs = [&x[range.clone()], &data.command[range]];
+            records.push(Record { inputs, count, out, state: Vec::new() });
+        }
+        self.run(theta, data.step, &mut records)
     }
 
     /// Runs records side by side.

@@ -5,6 +5,8 @@
 //! is found from all readings at once.
 
 mod group;
+mod joint;
+mod together;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -14,6 +16,8 @@ use model::{CouplingSpec, Unit};
 use surround::Span;
 
 use self::group::Group;
+pub(crate) use self::joint::{Front, FurtherMode, Joint};
+pub(crate) use self::together::together;
 use crate::base::{Base, Part};
 use crate::chain::{Bench, Horizon};
 use crate::data_set::Auxiliary;
@@ -44,12 +48,21 @@ fn groups(blueprint: &CheckedBlueprint, chosen: &[usize]) -> Result<Vec<Group>, 
         let own: Vec<&CouplingSpec> =
             couplings().filter(|c| c.axes.iter().any(|axis| axes.contains(axis))).collect();
         let names: Vec<&str> = own.iter().map(|c| c.node.name.as_str()).collect();
-        Group::of(blueprint, axes, &own)
-            .map_err(|reason| refused(blueprint, &names.join(", "), &reason))
+        match Group::of(blueprint, axes, &own) {
+            Ok(group) => Ok(Some(group)),
+            // Not undone: each reading is looked at as the sum of what all axes give.
+            Err(_) if own.iter().all(|c| joint::is_sum(blueprint, c).is_ok()) => Ok(None),
+            Err(reason) => {
+                let no_sum = own.iter().find_map(|c| joint::is_sum(blueprint, c).err());
+                let reason = no_sum.map_or(reason.clone(), |also| format!("{reason}; {also}"));
+                Err(refused(blueprint, &names.join(", "), &reason))
+            }
+        }
     };
     let is_chosen =
         |axes: &Vec<usize>| axes.len() > 1 && axes.iter().any(|axis| chosen.contains(axis));
-    blueprint.coupled_axes().into_iter().filter(is_chosen).map(group).collect()
+    let all = blueprint.coupled_axes().into_iter().filter(is_chosen).map(group);
+    all.filter_map(Result::transpose).collect()
 }
 
 /// That coupled axes are not looked at one by one.
@@ -58,6 +71,11 @@ pub(crate) fn refused(blueprint: &CheckedBlueprint, coupling: &str, reason: &str
         model: blueprint.spec().name.clone(),
         reason: format!("couples its axes (coupling {coupling}), and {reason}"),
     }
+}
+
+/// What is said of a monitor in the path of a coupled axis.
+pub(crate) fn not_cut(monitor: &str) -> String {
+    format!("the column {monitor} is not used: coupled axes are not cut at a monitor")
 }
 
 /// The tasks of the axes that couplings join: their motions, worked out of the readings of all of them.
@@ -90,9 +108,7 @@ pub(crate) fn tasks(
         let gain = request.gain_tolerance;
         let mut unused = Vec::new();
         for index in own {
-            unused.extend(tap::monitor(request, &inputs[index]).map(|monitor| {
-                format!("the column {monitor} is not used: coupled axes are not cut at a monitor")
-            }));
+            unused.extend(tap::monitor(request, &inputs[index]).map(|m| not_cut(&m)));
             let base =
                 Base::white(blueprint, (index + 1, Part::Motion), &request.tolerances, gain)?;
             all.push(assemble(&with, inputs, &ports, index, index, base, step)?);

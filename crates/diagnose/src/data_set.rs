@@ -1,6 +1,7 @@
 //! The rows of all records for one output, in SI, on the grid of the model.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use numerics::median;
 use surround::Span;
@@ -25,7 +26,7 @@ pub(crate) struct RecordData {
     pub(crate) training_hits_end: usize,
     /// The record's part of the rows of the fit.
     pub(crate) fit: Range<usize>,
-    /// Inputs of a black box beside the one that is driven, row by row from the run-in on, in the model's units.
+    /// Inputs beside the one that is driven, row by row from the run-in on: of a black box in the model's units, else in SI.
     pub(crate) others: Vec<Vec<f64>>,
     /// Command of each row as it was logged, row by row from the run-in on.
     pub(crate) logged: Vec<f64>,
@@ -84,6 +85,8 @@ pub(crate) struct DataSet {
     pub(crate) row_hit: Vec<u32>,
     /// Command over the grid, held between rows.
     pub(crate) command: Vec<f64>,
+    /// Commands of the other axes over the grid, where the model is no black box.
+    pub(crate) others: Vec<Arc<Vec<f64>>>,
     /// Auxiliary columns.
     pub(crate) aux: Vec<Auxiliary>,
     /// Records.
@@ -141,6 +144,7 @@ impl DataSet {
             y: Vec::new(),
             row_hit: Vec::new(),
             command: Vec::new(),
+            others: Vec::new(),
             aux: Vec::new(),
             records: Vec::new(),
             fit_rows: Vec::new(),
@@ -161,6 +165,17 @@ impl DataSet {
         for record in records {
             all.push(record, step.is_none());
         }
+        if step.is_some() {
+            let count = all.records.iter().map(|r| r.others.len()).min().unwrap_or(0);
+            let of = |k: usize| {
+                let mut hits = Vec::with_capacity(all.command.len());
+                for record in &all.records {
+                    spread(&record.hit_of_row, &record.others[k], &mut hits);
+                }
+                Arc::new(hits)
+            };
+            all.others = (0..count).map(of).collect();
+        }
         all.choose_fit_rows();
         let rows = all.records.iter().map(|r| &all.time[r.rows.clone()]);
         let mut times: Vec<f64> = rows.flat_map(|t| t.windows(2).map(|w| w[1] - w[0])).collect();
@@ -174,20 +189,14 @@ impl DataSet {
         let hit_of = |k: usize, time: f64| {
             if one_hit_per_row { k } else { ((time - start) / self.step + 1e-6).floor() as usize }
         };
-        let hits: Vec<usize> = record.time.iter().enumerate().map(|(k, t)| hit_of(k, *t)).collect();
-        // Hit n takes the row that was last before it; hit 0 is the rest under the first row.
-        let expand = |values: &[f64], into: &mut Vec<f64>| {
-            into.extend(values.first());
-            for (pair, value) in hits.windows(2).zip(values) {
-                into.extend(std::iter::repeat_n(*value, pair[1] - pair[0]));
-            }
-        };
-        expand(&record.command, &mut self.command);
+        let times = record.time.iter().enumerate();
+        let hits: Vec<u32> = times.map(|(k, t)| hit_of(k, *t) as u32).collect();
+        spread(&hits, &record.command, &mut self.command);
         for (k, aux) in self.aux.iter_mut().enumerate() {
-            expand(&record.aux[k], &mut aux.hits);
+            spread(&hits, &record.aux[k], &mut aux.hits);
         }
         let (run_in, time) = record.time.split_at(record.run_in.min(record.time.len()));
-        self.row_hit.extend(hits[run_in.len()..].iter().map(|h| (hit + h) as u32));
+        self.row_hit.extend(hits[run_in.len()..].iter().map(|h| hit as u32 + h));
         let rows = row..row + time.len();
         let count = (record.training * rows.len() as f64).round() as usize;
         let training = rows.start..rows.start + count;
@@ -205,7 +214,7 @@ impl DataSet {
             fit: 0..0,
             others: record.others,
             logged: record.command,
-            hit_of_row: hits.iter().map(|h| *h as u32).collect(),
+            hit_of_row: hits,
             rest: None,
         });
     }
@@ -213,21 +222,28 @@ impl DataSet {
     /// These records under the command that the log stands for when it is read so, each record from its own rest.
     pub(crate) fn played(&self, course: Course) -> Self {
         let mut all = self.clone();
+        let mut others: Vec<Vec<f64>> = self.others.iter().map(|hits| hits.to_vec()).collect();
         for ((_, times), record) in self.times().zip(&self.records) {
             let steps = record.steps_per_row();
-            let held = course.held(&times, &record.logged, steps.unwrap_or(1));
-            let command = &mut all.command[record.hits.clone()];
-            for (row, pair) in record.hit_of_row.windows(2).enumerate() {
-                let hits = &mut command[pair[0] as usize + 1..=pair[1] as usize];
-                match steps {
-                    Some(steps) => hits.copy_from_slice(&held[row * steps..][..steps]),
-                    None => hits.fill(held[row]),
+            let play = |logged: &[f64], rest: Option<f64>, hits: &mut [f64]| {
+                let held = course.held(&times, logged, steps.unwrap_or(1));
+                for (row, pair) in record.hit_of_row.windows(2).enumerate() {
+                    let hits = &mut hits[pair[0] as usize + 1..=pair[1] as usize];
+                    match steps {
+                        Some(steps) => hits.copy_from_slice(&held[row * steps..][..steps]),
+                        None => hits.fill(held[row]),
+                    }
                 }
-            }
-            if let (Some(first), Some(rest)) = (command.first_mut(), record.logged.first()) {
-                *first = record.rest.unwrap_or(*rest);
+                if let (Some(first), Some(logged)) = (hits.first_mut(), logged.first()) {
+                    *first = rest.unwrap_or(*logged);
+                }
+            };
+            play(&record.logged, record.rest, &mut all.command[record.hits.clone()]);
+            for (logged, hits) in record.others.iter().zip(&mut others) {
+                play(logged, None, &mut hits[record.hits.clone()]);
             }
         }
+        all.others = others.into_iter().map(Arc::new).collect();
         all.command_span = Span::of(all.command.iter().copied());
         all
     }
@@ -245,6 +261,7 @@ impl DataSet {
             self.records.iter().flat_map(|r| of_record(r, values)).collect::<Vec<f64>>()
         };
         all.command = expand(&self.command);
+        all.others = self.others.iter().map(|hits| Arc::new(expand(hits))).collect();
         for (aux, given) in all.aux.iter_mut().zip(&self.aux) {
             aux.hits = expand(&given.hits);
         }
@@ -347,6 +364,15 @@ impl DataSet {
     }
 }
 
+/// Holds the values of rows over the grid: hit n takes the row that was last before it, hit 0 is the rest under the first
+/// row.
+fn spread(hit_of_row: &[u32], values: &[f64], into: &mut Vec<f64>) {
+    into.extend(values.first());
+    for (pair, value) in hit_of_row.windows(2).zip(values) {
+        into.extend(std::iter::repeat_n(*value, (pair[1] - pair[0]) as usize));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -360,11 +386,22 @@ mod tests {
             command: (0..12).map(|k| begin + f64::from(k)).collect(),
             y: vec![0.0; 12],
             aux: vec![(0..12).map(f64::from).collect()],
-            others: Vec::new(),
+            others: vec![(0..12).map(|k| begin + f64::from(k)).collect()],
             run_in,
             training: 0.5,
         };
         DataSet::new(vec![record(0.0, 2), record(100.0, 0)], &[("T".into(), false)], Some(1e-3))
+    }
+
+    #[test]
+    fn the_commands_of_other_axes_act_as_the_own_one() {
+        let own = records();
+        let line = own.played(Course::given(Some(Between::Line), None));
+        let finer = line.finer(4);
+        assert_ne!(line.command, own.command);
+        for data in [own, line, finer] {
+            assert_eq!(*data.others[0], data.command);
+        }
     }
 
     #[test]

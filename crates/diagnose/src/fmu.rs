@@ -108,6 +108,7 @@ fn task(
         gain_tolerance: request.gain_tolerance,
         is_white: false,
         part: Part::Axis,
+        hints: Vec::new(),
     };
     let mut task = assemble(request, inputs, outputs, input, output, base, None)?;
     let times: Times = task.data.times().collect();

@@ -159,10 +159,15 @@ impl Diagnosis {
                 "the step of the repaired blueprint is {step} s, as its command moves between rows"
             ));
         }
+        repair::write_joint(&self.outcomes, &mut repaired);
         for outcome in &self.outcomes {
             let (own, judged) = repair::repair(outcome, outcome.task.axis, &mut repaired);
             notes.extend(own);
             after.push(judged);
+        }
+        for (outcome, after) in self.outcomes.iter().zip(&mut after) {
+            let together = repair::judged_as_written(outcome, blueprint, &repaired);
+            *after = together.or(after.take());
         }
         answer::hand_back(&mut self.gap, &self.outcomes, &after);
         (repaired, notes)
@@ -213,9 +218,10 @@ fn outcomes(
 ) -> Result<Vec<outcome::Outcome>, Error> {
     let tasks = task::tasks(request)?;
     let total = tasks.len();
-    let mut outcomes = Vec::with_capacity(total);
+    let (mut outcomes, mut fresh) = (Vec::with_capacity(total), Vec::with_capacity(total));
     for (number, task) in tasks.into_iter().enumerate() {
         observer.progress("diagnose", number, total);
+        fresh.push(task.base.joint().map(|_| task.clone()));
         let boxes = task.base.black_boxes();
         let outcome = pool.install(|| course::settled(task, request, count));
         // Without its FMU a search finds nothing; what it says of that is no answer.
@@ -226,6 +232,7 @@ fn outcomes(
             })?,
         );
     }
+    pool.install(|| coupled::together(&mut outcomes, &fresh, request, count))?;
     pool.install(|| coupled::in_readings(&mut outcomes, request, count))?;
     observer.progress("diagnose", total, total);
     Ok(outcomes)

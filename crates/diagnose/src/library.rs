@@ -136,6 +136,8 @@ pub(crate) struct Formula {
     pub(crate) starts: Vec<Vec<f64>>,
     /// Number of leading parameters that the first-order test varies.
     pub(crate) screened: usize,
+    /// Whether a fit starts where the first-order test takes these: weights, without which the others say nothing.
+    pub(crate) starts_at_promise: bool,
     /// The parameter that is the frequency of a resonance, which may be seen in what is left.
     pub(crate) resonance: Option<usize>,
     pub(crate) nuisance: Option<Nuisance>,
@@ -144,8 +146,10 @@ pub(crate) struct Formula {
     /// Force on the mode, with centre and half range of its displacement.
     pub(crate) force: Option<(Force, f64, f64)>,
     /// Whether it changes what the model's own parameters do so much that their sensitivities without it lead
-    /// nowhere.
+    /// nowhere, or its own change so much that a quick fit ends on the way.
     pub(crate) is_fitted_anew: bool,
+    /// A further mode of the coupling of several axes: whether the own path moves it, too.
+    pub(crate) joint_mode: Option<bool>,
     /// Whether it is no candidate and only stands in for one that no component of a blueprint can be.
     pub(crate) is_stand_in: bool,
 }
@@ -158,11 +162,13 @@ impl Formula {
             parameters: Vec::new(),
             starts: Vec::new(),
             screened: usize::MAX,
+            starts_at_promise: false,
             resonance: None,
             nuisance: None,
             releases: Vec::new(),
             force: None,
             is_fitted_anew: false,
+            joint_mode: None,
             is_stand_in: false,
         }
     }
@@ -327,7 +333,10 @@ pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family>
         };
         family.formulas.retain(has_place);
         family.formulas.retain(|f| {
-            let goes_in = !f.pieces.is_empty() || f.nuisance.is_some() || f.force.is_some();
+            let goes_in = !f.pieces.is_empty()
+                || f.nuisance.is_some()
+                || f.force.is_some()
+                || f.joint_mode.is_some();
             goes_in || is_white || !f.releases.is_empty()
         });
     }

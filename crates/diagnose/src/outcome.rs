@@ -21,7 +21,7 @@ use crate::data_set::DataSet;
 use crate::error::Error;
 use crate::fit::Fitter;
 use crate::gap::{SecondOpinion, Verdict};
-use crate::library::{self, Family};
+use crate::library::{self, Family, Formula};
 use crate::noise::{self, Shape};
 use crate::offset::Offset;
 use crate::own_course;
@@ -57,11 +57,57 @@ pub(crate) struct Outcome {
     pub(crate) second: Option<SecondOpinion>,
     /// Offsets of the records.
     pub(crate) offset: Option<Offset>,
+    /// The axes that a coupling joins with this one and in front of which something was found that moves this reading.
+    pub(crate) moved_by: Vec<usize>,
+    /// What the model left as it came, without what was found in those.
+    pub(crate) original: Option<Original>,
     /// The answer judged without a course of its own, which no model predicts, where it has one.
     pub(crate) predicted: Option<Judged>,
 }
 
+/// The model as it came, where a part of what is missing was found in other axes.
+#[derive(Clone)]
+pub(crate) struct Original {
+    /// The model as given, judged.
+    pub(crate) given: Judged,
+    /// The re-tuned model, judged.
+    pub(crate) before: Judged,
+    /// Standard deviation of the noise by which both are judged, in SI.
+    pub(crate) sigma: f64,
+}
+
+impl Original {
+    /// The same in standard deviations of another outcome's noise.
+    pub(crate) fn in_units_of(self, o: &Outcome) -> Self {
+        let ratio = self.sigma / o.sigma;
+        let judged = |j: &Judged| {
+            o.judge.figures(j.residual.iter().map(|r| ratio * r).collect(), &o.task.data)
+        };
+        Self { given: judged(&self.given), before: judged(&self.before), sigma: o.sigma }
+    }
+}
+
 impl Outcome {
+    /// The model as given, judged.
+    pub(crate) fn as_given(&self) -> &Judged {
+        self.original.as_ref().map_or(&self.given, |original| &original.given)
+    }
+
+    /// The re-tuned model, judged, without anything that was found.
+    pub(crate) fn before(&self) -> &Judged {
+        self.original.as_ref().map_or(&self.found.base.judged, |original| &original.before)
+    }
+
+    /// The formulas of a candidate.
+    pub(crate) fn formulas(&self, candidate: &Candidate) -> impl Iterator<Item = &Formula> {
+        candidate.picks.iter().map(|(family, number)| &self.library[*family].formulas[*number])
+    }
+
+    /// Whether something was found that explains the reading, in its own axis or in others.
+    pub(crate) fn is_explained(&self) -> bool {
+        !self.found.last.picks.is_empty() || !self.moved_by.is_empty()
+    }
+
     /// The answer's candidate, or the best single effect where none is named.
     pub(crate) fn best(&self) -> &Candidate {
         let found = &self.found;
@@ -319,6 +365,8 @@ impl Run<'_> {
             second,
             offset,
             predicted,
+            moved_by: Vec::new(),
+            original: None,
         }
     }
 

@@ -1,15 +1,19 @@
 //! The blueprint with the effects in place.
 
 mod handed;
+mod joint;
 mod parts;
 mod plays;
 mod zones;
 
 use components::effects;
+use components::sensor::SENSOR_SCALE;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
-use model::{Declaration, Extension, Stage};
+use model::{Component, Declaration, Extension, Stage};
 use surround::Block;
 
+pub(crate) use self::handed::judged_as_written;
+pub(crate) use self::joint::write as write_joint;
 use self::plays::Plays;
 use crate::base::{Base, Part};
 use crate::chain::Chain;
@@ -60,7 +64,7 @@ pub(crate) fn repair(
         let axis_now = &apply(&given, axis, &changes).axes[axis - 1].clone();
         let Some(own) = write(o, last, effect, formula, &values, (&given.axes[axis - 1], axis_now))
         else {
-            if formula.releases.is_empty() {
+            if formula.releases.is_empty() && formula.joint_mode.is_none() {
                 notes.push(crate::repaired_fmu::stays_out(effect, formula));
             }
             continue;
@@ -78,6 +82,13 @@ pub(crate) fn repair(
                 formula.name
             )),
         }
+    }
+    let gain = output_gain(&o.task.base, (&last.chain, &last.fit.theta));
+    if has_gain_behind(&o.task.base) && gain != 1.0 {
+        let scale = ComponentBlueprint::new(SENSOR_SCALE.declaration().kind);
+        let component = scale.value("gain", gain).note("the re-tuned gain");
+        let place = given.axes[axis - 1].components.len();
+        changes.push(Change::Insert { place, slot: Slot::Reading, component });
     }
     if let Some(steps) = o.task.steps {
         let span = o.task.data.output_span;
@@ -194,7 +205,10 @@ fn write(
             let is_in_front =
                 components::find(&component.kind)?.declaration().stage <= Stage::Mechanics;
             let is_elsewhere = match base.part {
-                Part::Axis => false,
+                // What stands behind the coupling comes after the mechanics.
+                Part::Axis | Part::Front(_) => {
+                    base.joint().is_some() && piece.slot >= Slot::AfterMechanics && is_in_front
+                }
                 Part::Motion => !is_in_front,
                 Part::Reading(_) => is_in_front,
             };
@@ -296,7 +310,7 @@ fn actuator_with(
 
 /// Fitted weights of plays as a blueprint has them: with the re-tuned gain of the output, in the axis' units.
 fn weight_of(o: &Outcome, last: &Candidate) -> impl Fn(f64) -> f64 + use<> {
-    let factor = output_gain(&o.task.base, (&last.chain, &last.fit.theta));
+    let factor = gain_in_front(&o.task.base, (&last.chain, &last.fit.theta));
     let (u, y) = (o.task.command_factor, o.task.factor);
     move |w| factor * w * u / y
 }
@@ -350,6 +364,17 @@ fn output_gain(base: &Base, (chain, theta): (&Chain, &[f64])) -> f64 {
     gain.map_or(1.0, |k| 1.0 + base.gain_tolerance * theta[k])
 }
 
+/// Whether the gain of the output is the sensor's: a reading has no actuator, and one in front of a coupling moves other
+/// readings, too.
+fn has_gain_behind(base: &Base) -> bool {
+    base.joint().is_some() || matches!(base.part, Part::Reading(_))
+}
+
+/// As [`output_gain`], where it is the actuator's.
+fn gain_in_front(base: &Base, fitted: (&Chain, &[f64])) -> f64 {
+    if has_gain_behind(base) { 1.0 } else { output_gain(base, fitted) }
+}
+
 /// A name that the axis does not have yet.
 fn with_free_name(mut component: ComponentBlueprint, axis: &AxisBlueprint) -> ComponentBlueprint {
     let declared = components::find(&component.kind).map_or("effect", |c| c.declaration().name);
@@ -396,7 +421,7 @@ fn retune(
             }
         }
         let declaration = component.component.declaration();
-        let factor = output_gain(base, fitted);
+        let factor = gain_in_front(base, fitted);
         let mut at = 0;
         for (k, quantity) in declaration.parameters.iter().enumerate() {
             let length = declaration.length(k, &component.structure);

@@ -241,7 +241,8 @@ impl<'a> Search<'a> {
                 let (promise, start) = &screened[*k];
                 let is_promising = *promise > Thresholds::PROMISING * greatest;
                 let fit = self.fit_one(from, &fixed, (jobs[*k], start, is_promising), &linear);
-                Some(self.released_elsewhere(fit.ok()?, (1.0 - promise) * from.fit.mean_square))
+                let fit = self.as_hinted(fit.ok()?);
+                Some(self.released_elsewhere(fit, (1.0 - promise) * from.fit.mean_square))
             })
             .collect();
         // A resonance that moved by more than its width promises nothing in the first order.
@@ -364,7 +365,9 @@ impl<'a> Search<'a> {
         let simulated: Vec<f64> =
             self.data.y.iter().zip(residual).map(|(y, r)| y - self.sigma * r).collect();
         let rows = self.data.records.iter().map(|record| record.training.clone());
-        spectrum::resonances(&simulated, residual, rows, self.data.sample_time)
+        let mut all = spectrum::resonances(&simulated, residual, rows, self.data.sample_time);
+        all.extend(self.base.hints.iter().filter_map(|hint| hint.frequency));
+        all
     }
 
     /// First-order promise of a formula and its best start.
@@ -386,10 +389,18 @@ impl<'a> Search<'a> {
         let promises = self.fitter().promises(&chain, linear, &starts, formula.screened);
         let mut best = (f64::NEG_INFINITY, all.first().cloned().unwrap_or_default());
         for (promise, start) in promises.into_iter().zip(&all) {
-            if let Some(promise) = promise
+            if let Some((promise, to)) = promise
                 && promise > best.0
             {
-                best = (promise, start.clone());
+                let mut start = start.clone();
+                if formula.starts_at_promise {
+                    let first = chain.parameters.len() - start.len();
+                    for (k, value) in start.iter_mut().enumerate().take(formula.screened) {
+                        let p = &chain.parameters[first + k];
+                        *value = p.value(to[first + k].clamp(p.low, p.high));
+                    }
+                }
+                best = (promise, start);
             }
         }
         best

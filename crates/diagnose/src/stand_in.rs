@@ -34,7 +34,7 @@ pub(crate) fn stand_in(
         let family = &o.library[pick.0];
         let (effect, best) = (family.effect.name, &family.formulas[pick.1]);
         let is_own = best.pieces.is_empty() && best.force.is_none();
-        if (is_own && !best.releases.is_empty())
+        if (is_own && (!best.releases.is_empty() || best.joint_mode.is_some()))
             || is_written(effect, best, &values_of(o, &last, slot))
         {
             continue;

@@ -162,11 +162,15 @@ fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Task>, E
     for index in apart {
         let base = Base::white(blueprint, (index + 1, Part::Axis), tuned.0, tuned.1)?;
         match tap::monitor(request, &inputs[index]) {
-            Some(monitor) => {
+            Some(monitor) if base.joint().is_none() => {
                 let ports = (&inputs[..], &outputs[..]);
                 all.extend(tap::cut(request, ports, index, &base, step, &monitor)?);
             }
-            None => all.push(assemble(request, &inputs, &outputs, index, index, base, step)?),
+            monitor => {
+                let mut task = assemble(request, &inputs, &outputs, index, index, base, step)?;
+                task.warnings.extend(monitor.map(|m| coupled::not_cut(&m)));
+                all.push(task);
+            }
         }
     }
     if let Some(first) = all.first_mut() {
@@ -283,6 +287,16 @@ pub(crate) fn assemble(
     let training = if request.holdout.is_empty() { 1.0 - Thresholds::HELD_OUT } else { 1.0 };
     for (log, is_judged) in logs.chain(judged) {
         warnings.extend(log.notes());
+        // One command of several that a coupling joins.
+        let absent = |port: &&Port| port.column(&request.names, log).is_none();
+        let others = inputs.iter().filter(|_| base.joint().is_some());
+        warnings.extend(others.filter(absent).map(|port| {
+            format!(
+                "{}: has no column for {}, which is taken to rest at 0",
+                log.origin(),
+                port.label()
+            )
+        }));
         let training = if is_judged { 0.0 } else { training };
         let command = column(request, u, log, "input")?;
         let measured = column(request, y, log, "output")?;
@@ -292,7 +306,12 @@ pub(crate) fn assemble(
             .enumerate()
             .filter(|(k, _)| *k != input && base.has_other_inputs())
             .map(|(_, port)| match port.column(&request.names, log) {
-                Some(name) => Ok(log.convert(name, unit_text(port))?),
+                Some(name) => {
+                    let values = log.convert(name, unit_text(port))?;
+                    let is_si = base.is_white;
+                    let si = |v: &f64| if is_si { port.si.to_si(*v) } else { *v };
+                    Ok(values.iter().map(si).collect())
+                }
                 None => Ok(vec![0.0; log.len()]),
             })
             .collect::<Result<_, Error>>()?;

@@ -75,6 +75,31 @@ impl Inverse {
     }
 }
 
+/// One way through a coupling, from one of its paths to another: a component with one input and one output.
+#[cfg(not(target_family = "wasm"))]
+#[derive(Clone)]
+pub struct Way {
+    /// The component.
+    pub component: &'static dyn Component,
+    /// Its structure.
+    pub structure: alloc::vec::Vec<f64>,
+    /// For each of its values the number of the coupling's value that it is.
+    pub takes: alloc::vec::Vec<usize>,
+}
+
+#[cfg(not(target_family = "wasm"))]
+impl Way {
+    /// A component of this structure whose values are these of the coupling.
+    #[must_use]
+    pub fn new(
+        component: &'static dyn Component,
+        structure: &[f64],
+        takes: impl Iterator<Item = usize>,
+    ) -> Self {
+        Self { component, structure: structure.to_vec(), takes: takes.collect() }
+    }
+}
+
 /// Room that an instance needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sizes {
@@ -173,6 +198,14 @@ pub trait Component: Send + Sync {
     /// output, and nothing else. A chain of nothing else computes them in place, without calls.
     fn is_affine(&self) -> bool {
         false
+    }
+
+    /// The way from path number `from` to path number `to` of a coupling with this structure, where each of its
+    /// outputs is the sum of such ways, without further terms; none where it is not.
+    #[cfg(not(target_family = "wasm"))]
+    fn way(&self, structure: &[f64], to: usize, from: usize) -> Option<Way> {
+        let (_, _, _) = (structure, to, from);
+        None
     }
 
     /// Whether it runs a learned table (the blueprint's key `table`).

@@ -28,6 +28,8 @@ pub use bundle::Bundle;
 #[cfg(feature = "records")]
 #[doc(hidden)]
 pub use component::Record;
+#[cfg(not(target_family = "wasm"))]
+pub use component::Way;
 pub use component::{Component, Example, Extension, Inverse, Sizes, Tick, Undoing, Violation};
 pub use context::{Context, ContextError};
 pub use declaration::{Conversion, Declaration, Stage};

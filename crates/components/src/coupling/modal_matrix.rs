@@ -117,6 +117,20 @@ impl Component for ModalMatrix {
         &DECLARATION
     }
 
+    #[cfg(not(target_family = "wasm"))]
+    fn way(&self, structure: &[f64], to: usize, from: usize) -> Option<model::Way> {
+        let (n, modes) = counts(structure);
+        if to.max(from) >= n {
+            return None;
+        }
+        let (entries, own) = (n * n, n * to + from);
+        let poles = entries..entries + 2 * modes;
+        let residues = (0..2 * modes).map(move |k| entries + 2 * modes + k * entries + own);
+        let takes = core::iter::once(own).chain(poles).chain(residues);
+        let modes = modes as f64;
+        Some(model::Way::new(&ModalMatrix, &[1.0, 1.0, modes, modes], takes))
+    }
+
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let (n, modes) = counts(structure);
         Sizes { coefficients: n * n + modes * per_mode(n), states: 2 * n * modes }
@@ -288,6 +302,30 @@ mod tests {
                 assert!((path[k] - wanted).abs() < 1e-12, "row {k}, axis {i}");
             }
         }
+    }
+
+    #[test]
+    fn is_the_sum_of_its_ways() {
+        let mut random = Random::new(11);
+        let structure = [2.0, 4.0, 2.0, 8.0];
+        let mut values: std::vec::Vec<f64> = (0..24).map(|_| random.between(-1.0, 1.0)).collect();
+        values[4..8].copy_from_slice(&[150.0, 420.0, 0.03, 1.2]);
+        let signals: std::vec::Vec<[f64; 2]> =
+            (0..300).map(|_| [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]).collect();
+        let complete = run(&structure, &values, &signals);
+        for (to, path) in complete.iter().enumerate() {
+            let mut sum = std::vec![0.0; signals.len()];
+            for from in 0..2 {
+                let way = ModalMatrix.way(&structure, to, from).unwrap();
+                let own: std::vec::Vec<f64> = way.takes.iter().map(|k| values[*k]).collect();
+                let mut one = Instance::new(way.component, &way.structure, &own, T).unwrap();
+                let x: std::vec::Vec<f64> = signals.iter().map(|both| both[from]).collect();
+                let y = one.response(0.0, &x);
+                sum.iter_mut().zip(y).for_each(|(sum, y)| *sum += y);
+            }
+            assert!(sum.iter().zip(path).all(|(a, b)| (a - b).abs() < 1e-12), "path {to}");
+        }
+        assert!(ModalMatrix.way(&structure, 2, 0).is_none());
     }
 
     #[test]

@@ -5,8 +5,29 @@
 //! it is one cause. Then a name must be in the sets of all of them.
 
 use crate::gap::{Estimate, NamedEffect};
+use crate::library::Slot;
 use crate::outcome::Outcome;
 use crate::thresholds::answer::Thresholds;
+
+/// The effects, those in front of a coupling with the readings of other axes that they move.
+pub(super) fn moving(mut effects: Vec<NamedEffect>, outcomes: &[Outcome]) -> Vec<NamedEffect> {
+    for effect in &mut effects {
+        let Some(o) = outcomes.iter().find(|o| o.task.output == effect.output) else { continue };
+        let last = &o.found.last;
+        let own = last.picks.iter().zip(o.formulas(last));
+        let is_in_front = own
+            .filter(|((family, _), _)| o.library[*family].effect.name == effect.effect)
+            .any(|(_, formula)| {
+                formula.force.is_some()
+                    || formula.pieces.iter().any(|piece| piece.slot < Slot::AfterMechanics)
+            });
+        let moved = outcomes.iter().filter(|other| other.moved_by.contains(&(o.task.axis - 1)));
+        if is_in_front {
+            effect.also.extend(moved.map(|other| other.task.output.clone()));
+        }
+    }
+    effects
+}
 
 /// The effects with each shared cause once: in the output `main`, or where it explains most, the others in `also`.
 pub(super) fn once(
@@ -15,8 +36,8 @@ pub(super) fn once(
     main: &str,
 ) -> Vec<NamedEffect> {
     // Axes of a blueprint that nothing couples share nothing.
-    let is_box =
-        |output: &str| outcomes.iter().any(|o| o.task.output == output && !o.task.base.is_white);
+    let is_joined = |o: &Outcome| !o.task.base.is_white || o.task.base.joint().is_some();
+    let is_box = |output: &str| outcomes.iter().any(|o| o.task.output == output && is_joined(o));
     let mut rest = effects;
     let first = |e: &NamedEffect| (e.output == main, e.explained);
     rest.sort_by(|a, b| {

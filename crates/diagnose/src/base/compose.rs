@@ -2,6 +2,7 @@
 
 use super::{Base, BaseParameter};
 use crate::chain::{Acting, Chain, Link, Node, Parameter};
+use crate::coupled::FurtherMode;
 use crate::library::{Formula, Slot};
 use crate::thresholds::base::Thresholds;
 
@@ -166,6 +167,16 @@ impl<'a> Composer<'a> {
         match &mut node {
             Node::Component(component) | Node::BeforeMode(component) => component.links = links,
             Node::BlackBox(fmu) => fmu.links = links,
+            Node::Joint(joint) => {
+                joint.own.links = links;
+                let all = self.effects.iter().zip(&self.first);
+                let mut modes = all.filter_map(|(e, first)| Some((e, *first, e.joint_mode?)));
+                if let Some((effect, first, by_own)) = modes.next() {
+                    let count = effect.parameters.len();
+                    joint.mode = Some(FurtherMode { first, by_own });
+                    self.touch(first, count);
+                }
+            }
             _ => {}
         }
         let acting = |(effect, first): (&&Formula, &usize)| {

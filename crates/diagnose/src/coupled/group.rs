@@ -1,11 +1,11 @@
 //! What static couplings do, and how it is undone.
 
 use data::{CheckedBlueprint, Log};
-use model::{CouplingSpec, NodeSpec, Source, Tick, Unit, unit_on_axis};
+use model::{CouplingSpec, NodeSpec, Source, Tick};
 use nalgebra::DMatrix;
 
 use super::motion_unit;
-use crate::base::is_noise;
+use crate::base::{in_si, is_noise};
 use crate::error::Error;
 use crate::request::{Noise, Request};
 use crate::task::{Port, column, unit_text};
@@ -190,28 +190,13 @@ fn same_filter(
     Ok(first.into_iter().cloned().collect())
 }
 
-/// A component's values in SI, with these units of the command and the position.
-fn in_si(node: &NodeSpec, command: &str, position: &str) -> Vec<f64> {
-    let declaration = node.component.declaration();
-    let mut values = Vec::with_capacity(node.values.len());
-    for (index, quantity) in declaration.parameters.iter().enumerate() {
-        let text = unit_on_axis(quantity.unit, command, position);
-        let unit = Unit::parse(&text).unwrap_or(Unit::ONE);
-        let length = declaration.length(index, &node.structure);
-        let own = values.len()..values.len() + length;
-        let own = node.values.get(own).unwrap_or_default();
-        values.extend(own.iter().map(|v| unit.to_si(*v)));
-    }
-    values
-}
-
 /// What a component without units of its axis gives, from rest under the first value; none where it reads more.
 fn run(node: &NodeSpec, x: &[f64], step: f64) -> Option<Vec<f64>> {
     let declaration = node.component.declaration();
     if declaration.inputs.len() != 1 {
         return None;
     }
-    let values = in_si(node, "1", "1");
+    let values = in_si(("1", "1"), node);
     let sizes = node.component.sizes(&node.structure, step);
     let (mut coefficients, mut state) = (vec![0.0; sizes.coefficients], vec![0.0; sizes.states]);
     let mut outputs = vec![0.0; declaration.outputs.len()];
@@ -304,7 +289,7 @@ fn through(
         return Err(format!("{} reads other signals than the paths of its axes", node.name));
     }
     let [command, position] = blueprint.coupling_units(coupling);
-    let values = in_si(node, &command, &position);
+    let values = in_si((&command, &position), node);
     let mut coefficients = vec![0.0; sizes.coefficients];
     let prepared = node.component.prepare(&node.structure, &values, step, &mut coefficients);
     prepared.map_err(|violation| format!("{}: {violation}", node.name))?;

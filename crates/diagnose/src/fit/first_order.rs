@@ -34,14 +34,14 @@ impl<'a> Fitter<'a> {
     }
 
     /// For each start the part of the residual's squares that a candidate would take in the first
-    /// order, with the parameters that are known moving along; `screened` of its own parameters move.
+    /// order, with the parameters that are known moving along, and where that takes them; `screened` of its own parameters move.
     pub(crate) fn promises(
         self,
         chain: &'a Chain,
         known: &Linear,
         starts: &[Vec<f64>],
         screened: usize,
-    ) -> Vec<Option<f64>> {
+    ) -> Vec<Option<(f64, Vec<f64>)>> {
         let mut work = self.work(chain);
         let mut basis: Option<Basis> = None;
         starts.iter().map(|start| work.promise(known, start, screened, &mut basis).ok()).collect()
@@ -74,7 +74,7 @@ impl Work<'_> {
         start: &[f64],
         screened: usize,
         basis: &mut Option<Basis>,
-    ) -> Result<f64, Failed> {
+    ) -> Result<(f64, Vec<f64>), Failed> {
         let point = self.keep(start)?;
         let changes = self.chain().nuisances.iter().any(|n| !n.is_fixed());
         if basis.is_none() || changes {
@@ -120,6 +120,8 @@ impl Work<'_> {
             .collect();
         let step = within(&normal, &gradient, &room).ok_or(Failed)?;
         let left = point.squares - 2.0 * right.dot(&step) + (&data * &step).dot(&step);
-        Ok(1.0 - (left / known.squares).max(0.0))
+        let mut to = point.theta.clone();
+        (0..all).for_each(|k| to[number(k)] += step[k]);
+        Ok((1.0 - (left / known.squares).max(0.0), to))
     }
 }

@@ -162,7 +162,8 @@ fn slew(s: &Setting<'_>) -> Vec<Formula> {
 
 fn saturation(s: &Setting<'_>) -> Vec<Formula> {
     let (c, h) = (s.command.centre, s.command.half);
-    let limit = || Free::linear("limit", "{command}", c - h, c + h).step(2e-3 * h);
+    let named = |name| Free::linear(name, "{command}", c - h, c + h).step(2e-3 * h);
+    let limit = || named("limit");
     let parts = [0.95, 0.9, 0.8, 0.65, 0.5];
     let width = Free::log("width of the bend", "{command}", 1e-3 * h, h);
     let knee = Free::linear("knee", "{command}", c - h, c + h).step(2e-3 * h);
@@ -179,6 +180,11 @@ fn saturation(s: &Setting<'_>) -> Vec<Formula> {
         Formula::new("limits at both ends")
             .block(Slot::Amplifier, Block::Limits { centre: s.command.centre }, vec![half])
             .starts(parts.map(|k| vec![k * h])),
+        // Amplifiers are seldom limited evenly about the middle of a log.
+        Formula::new("a limit at each end")
+            .block(Slot::Amplifier, Block::LimitAbove, vec![named("upper limit")])
+            .block(Slot::Amplifier, Block::LimitBelow, vec![named("lower limit")])
+            .starts(parts.map(|k| vec![c + k * h, c - k * h])),
         Formula::new("soft limit at the top")
             .block(Slot::Amplifier, Block::SoftLimitAbove, vec![limit(), width])
             .starts(parts.map(|k| vec![c + k * h, 0.05 * h])),

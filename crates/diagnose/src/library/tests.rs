@@ -44,6 +44,7 @@ fn base(is_white: bool) -> Base {
         gain_tolerance: 0.01,
         is_white,
         part: Part::Axis,
+        hints: Vec::new(),
     }
 }
 

@@ -41,8 +41,7 @@ fn over_time(o: &Outcome, title: String, rows: Range<usize>) -> TimeSeries {
     let in_unit = |v: &[f64]| v[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
     let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.task.factor).collect();
     let without = |residual: &[f64]| y.iter().zip(residual).map(|(y, r)| y - r).collect::<Vec<_>>();
-    let (before, after) =
-        (in_unit(&o.found.base.judged.residual), in_unit(&o.with_effects().residual));
+    let (before, after) = (in_unit(&o.before().residual), in_unit(&o.with_effects().residual));
     let is_repaired = !o.found.last.picks.is_empty();
     let mut figure = TimeSeries::new(title, &data.time[rows.clone()])
         .measured("measured", unit, &y)
@@ -76,8 +75,7 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
         let rows = record.rows.clone();
         let in_unit = |v: &[f64]| v[rows.clone()].iter().map(|r| r * scale).collect::<Vec<f64>>();
         let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.task.factor).collect();
-        let (before, after) =
-            (in_unit(&o.found.base.judged.residual), in_unit(&o.with_effects().residual));
+        let (before, after) = (in_unit(&o.before().residual), in_unit(&o.with_effects().residual));
         let model: Vec<f64> = y.iter().zip(&before).map(|(y, r)| y - r).collect();
         let title = format!("{}: {}", o.task.output, record.name);
         section = section.figure(over_time(o, title, rows.clone()));

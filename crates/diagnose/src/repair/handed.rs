@@ -25,6 +25,15 @@ use crate::thresholds::repair::Thresholds;
 /// The quantity of a component that shifts its positions.
 const OFFSET: &str = "offset";
 
+/// What the axes do that a coupling joins with a written one.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Others {
+    /// What was found.
+    AsFound,
+    /// What is written.
+    AsWritten,
+}
+
 /// The written axis under the logs.
 struct Written<'a> {
     o: &'a Outcome,
@@ -46,7 +55,9 @@ pub(super) fn settle(
         return None;
     }
     let count = AtomicU64::new(0);
-    let read = |blueprint: &Blueprint| Written::new(o, last, blueprint, (axis, given), &count);
+    let read = |blueprint: &Blueprint| {
+        Written::new(o, last, blueprint, (axis, given), Others::AsFound, &count)
+    };
     let written = read(blueprint)?;
     let judged = written.judge(&written.start)?;
     if judged.training <= Thresholds::WRITTEN_OFF * last.judged.training {
@@ -80,20 +91,16 @@ pub(super) fn level(
     without: Option<&Judged>,
 ) -> (Option<String>, Option<Judged>) {
     let shared = o.offset.map_or(0.0, |offset| offset.shared);
-    // A reading has no actuator that holds its gain.
-    let gain = match o.task.base.part {
-        Part::Reading(_) => super::output_gain(&o.task.base, (&last.chain, &last.fit.theta)),
-        _ => 1.0,
-    };
-    if shared == 0.0 && gain == 1.0 {
+    if shared == 0.0 {
         return (None, without.cloned());
     }
     let at = |is_behind| {
-        let levelled = levelled(o, last, axis, (gain, is_behind), blueprint)?;
+        let levelled = levelled(o, last, axis, is_behind, blueprint)?;
         Some((judge(o, last, axis, &levelled)?, levelled))
     };
     let is_less = |a: &Judged, b: &Judged| a.training < Thresholds::OFFSET_BEHIND * b.training;
-    let front = at(false);
+    // In front of a coupling it moves other readings, too.
+    let front = if o.task.base.joint().is_some() { None } else { at(false) };
     // In front of a curved part an offset moves its working point: behind all, where less is left with it.
     let is_good = front.as_ref().is_some_and(|(j, _)| without.is_none_or(|w| !is_less(w, j)));
     let behind = if is_good { None } else { at(true) };
@@ -115,6 +122,20 @@ pub(super) fn level(
     }
 }
 
+/// What an axis that a coupling joins with others leaves of the logs in a blueprint in which all are written; none where it
+/// cannot be run.
+pub(crate) fn judged_as_written(
+    o: &Outcome,
+    given: &Blueprint,
+    blueprint: &Blueprint,
+) -> Option<Judged> {
+    o.task.base.joint()?;
+    let axis = (o.task.axis, given.axes.get(o.task.axis - 1)?);
+    let count = AtomicU64::new(0);
+    let written = Written::new(o, &o.found.last, blueprint, axis, Others::AsWritten, &count)?;
+    written.judge(&written.start)
+}
+
 /// What a written axis leaves of the logs; none where it cannot be run by itself.
 fn judge(
     o: &Outcome,
@@ -123,7 +144,7 @@ fn judge(
     blueprint: &Blueprint,
 ) -> Option<Judged> {
     let count = AtomicU64::new(0);
-    let written = Written::new(o, last, blueprint, axis, &count)?;
+    let written = Written::new(o, last, blueprint, axis, Others::AsFound, &count)?;
     written.judge(&written.start)
 }
 
@@ -133,7 +154,7 @@ fn levelled(
     o: &Outcome,
     last: &Candidate,
     (axis, given): (usize, &AxisBlueprint),
-    (gain, is_behind): (f64, bool),
+    is_behind: bool,
     blueprint: &Blueprint,
 ) -> Option<Blueprint> {
     let base = &o.task.base;
@@ -142,7 +163,7 @@ fn levelled(
     }
     let count = AtomicU64::new(0);
     let left = |blueprint: &Blueprint| {
-        let written = Written::new(o, last, blueprint, (axis, given), &count)?;
+        let written = Written::new(o, last, blueprint, (axis, given), Others::AsFound, &count)?;
         offset::left(&o.task.data, (&written.chain, &written.start), 0.0, &count)
     };
     let mut levelled = blueprint.clone();
@@ -153,9 +174,16 @@ fn levelled(
     let at = match actuator.filter(|at| has_offset(&own[*at]) && !is_behind) {
         Some(at) => at,
         None if base.part == Part::Motion => return None,
+        // Beside the re-tuned gain.
+        None if own
+            .last()
+            .is_some_and(|c| is_scale(c) && !given.components.iter().any(|g| is_same(g, c))) =>
+        {
+            own.len() - 1
+        }
         None => {
             let scale = ComponentBlueprint::new(SENSOR_SCALE.declaration().kind);
-            let scale = scale.value("gain", gain).note("with the offset that all records share");
+            let scale = scale.value("gain", 1.0).note("the offset that all records share");
             let scale = super::with_free_name(scale, &levelled.axes[axis - 1]);
             levelled.axes[axis - 1].components.push(scale);
             levelled.axes[axis - 1].components.len() - 1
@@ -180,6 +208,10 @@ fn levelled(
     None
 }
 
+fn is_scale(component: &ComponentBlueprint) -> bool {
+    component.kind == SENSOR_SCALE.declaration().kind
+}
+
 /// Whether a component has a quantity that shifts its positions.
 fn has_offset(component: &ComponentBlueprint) -> bool {
     let declaration = components::find(&component.kind).map(|kind| kind.declaration());
@@ -199,6 +231,7 @@ impl<'a> Written<'a> {
         last: &Candidate,
         blueprint: &Blueprint,
         (axis, given): (usize, &AxisBlueprint),
+        others: Others,
         count: &'a AtomicU64,
     ) -> Option<Self> {
         let checked = blueprint.clone().check(COMPONENTS).ok()?;
@@ -214,6 +247,11 @@ impl<'a> Written<'a> {
             .collect();
         let gain = o.task.base.gain_tolerance;
         let base = Base::white(&checked, (axis, o.task.base.part), &tolerances, gain).ok()?;
+        // Other axes may not be written yet.
+        let base = match o.task.base.joint() {
+            Some(joint) if others == Others::AsFound => base.with_fronts(&joint.fronts()),
+            _ => base,
+        };
         // What each record has of its own is no part of the model and is taken out as before.
         let (disturbances, values) = disturbances(o, last);
         let chain = base.compose(&disturbances);

@@ -3,7 +3,7 @@
 use data::ComponentBlueprint;
 use model::Extension;
 
-use super::{Plays, extended, number, output_gain, take_place};
+use super::{Plays, extended, gain_in_front, number, take_place};
 use crate::library::{Piece, Slot};
 use crate::outcome::Outcome;
 use crate::select::Candidate;
@@ -26,7 +26,7 @@ pub(super) fn bent(
     let y = o.task.factor;
     let offset = old.get("offset").and_then(number).unwrap_or(0.0);
     // The gain of the output is in the plays already; the map lies before it.
-    let gain = output_gain(&o.task.base, (&last.chain, &last.fit.theta));
+    let gain = gain_in_front(&o.task.base, (&last.chain, &last.fit.theta));
     let map = |s: f64| gain * kernel.map((offset + s) * y / gain).unwrap_or(f64::NAN) / y;
     let slope: f64 = plays.pairs.iter().map(|(_, w)| w).sum();
     let span = o.task.data.command_span;

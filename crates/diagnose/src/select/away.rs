@@ -50,6 +50,26 @@ impl Search<'_> {
         self.best_of_starts(fit, &starts.collect::<Vec<_>>())
     }
 
+    /// The better one of a fit that releases parameters of the model and of those from where other readings of the same
+    /// coupling put them.
+    pub(super) fn as_hinted(&self, fit: Candidate) -> Candidate {
+        let hinted = self.base.hints.iter().filter_map(|hint| {
+            let mut theta = fit.fit.theta.clone();
+            let mut any = false;
+            for (k, p) in fit.chain.parameters.iter().enumerate() {
+                let is_free = p.is_base && p.prior == 0.0;
+                let own = hint.released.iter().find(|(name, _)| is_free && *name == p.name);
+                if let Some((_, to)) = own {
+                    (theta[k], any) = (*to, true);
+                }
+            }
+            let again = any.then(|| self.fitter().fit_again(&fit.chain, &theta).ok())??;
+            self.candidate(fit.picks.clone(), fit.chain.clone(), again).ok()
+        });
+        let best = hinted.min_by(|a, b| a.rank.total_cmp(&b.rank));
+        best.filter(|other| other.rank < fit.rank).unwrap_or(fit)
+    }
+
     /// As `released_elsewhere` for fits of a resonance that ended far above what another family leaves: from the places along
     /// the whole range where the model, simulated with nothing fitted, leaves least, and from the best of them to the end.
     pub(super) fn resonance_elsewhere(&self, fitted: &mut [Option<Candidate>]) {

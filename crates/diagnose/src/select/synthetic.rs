@@ -110,6 +110,7 @@ impl Synthetic {
             gain_tolerance: 0.01,
             is_white: true,
             part: Part::Axis,
+            hints: Vec::new(),
         };
         Self { base, data, judge, library, count: AtomicU64::new(0), max_effects: 3 }
     }

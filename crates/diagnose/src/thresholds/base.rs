@@ -53,6 +53,9 @@ impl Thresholds {
     pub(crate) const MONITOR_LIKE: f64 = 0.9;
     /// How far the slope of a monitor against the command may be from 1: a monitor in another scale is none.
     pub(crate) const MONITOR_SCALE: f64 = 0.25;
+    /// Sets of commands, and values of a coupling's parameters with each, for which the sum over the other axes is kept.
+    pub(crate) const COMMANDS_KEPT: usize = 4;
+    pub(crate) const SUMS_KEPT: usize = 6;
     /// Parameters of one array that are free one by one; a longer array is free in groups.
     pub(crate) const MOST_OF_ARRAY: usize = 12;
     /// Standard deviation of a parameter without a tolerance, relative to its value, as a scale.

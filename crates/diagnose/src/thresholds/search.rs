@@ -4,6 +4,10 @@
 pub(crate) struct Thresholds;
 
 impl Thresholds {
+    /// Mean square of a reading, over what it was, up to which what was found in another axis moves it.
+    pub(crate) const MOVED_BY_AXIS: f64 = 0.9;
+    /// Times that each of the axes which a coupling joins may be taken over.
+    pub(crate) const ROUNDS_OF_AXES: usize = 3;
     /// Least ratio to the noise with which a frequency band counts.
     pub(crate) const BAND_FLOOR: f64 = 1.3;
     /// Distance of a band's floor from the noise, in standard deviations of the band's mean power.

@@ -1,0 +1,286 @@
+//! A coupling with dynamics, as the reading of one axis sees it.
+//!
+//! The reading of axis i is `y_i = Σ_j W_ij(x_j)` with the path x_j of each axis in front of the coupling and the
+//! linear way W_ij from there. The own path is a part of the chain that is fitted; what the others add,
+//! `Σ_{j≠i} W_ij(x_j)`, is a signal that changes only with the coupling's own parameters, and is kept.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use components::mechanics::MODE;
+use data::CheckedBlueprint;
+use model::{ComponentRef, CouplingSpec, NodeSpec, Way};
+use surround::Span;
+
+use super::refused;
+use crate::base::{Base, Part};
+use crate::chain::{Bench, Chain, ComponentNode, Failed, Horizon, Link, Node, Parameter};
+use crate::data_set::DataSet;
+use crate::error::Error;
+use crate::thresholds::base::Thresholds;
+
+/// The way of the own path through a coupling, and what the others add.
+#[derive(Clone)]
+pub(crate) struct Joint {
+    /// The way of the own path.
+    pub(crate) own: ComponentNode,
+    /// For each of its values the number of the coupling's value that it is.
+    pub(crate) takes: Vec<usize>,
+    /// The coupling's number in the blueprint.
+    pub(crate) coupling: usize,
+    others: Arc<Others>,
+    pub(crate) mode: Option<FurtherMode>,
+}
+
+/// A further mode of a coupling, with a weight for each path, frequency and damping as parameters.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FurtherMode {
+    /// The first of them.
+    pub(crate) first: usize,
+    /// Whether the own path moves it: then the first weight is that one's.
+    pub(crate) by_own: bool,
+}
+
+/// What the paths of the other axes add to a reading.
+struct Others {
+    ways: Vec<OtherWay>,
+    /// For each value of a way whether it is the same value of the coupling in all of them.
+    is_shared: Vec<bool>,
+    kept: Mutex<Vec<Kept>>,
+}
+
+/// The way of another axis.
+#[derive(Clone)]
+struct OtherWay {
+    axis: usize,
+    /// Its number among the other inputs of the data.
+    place: usize,
+    front: Front,
+    way: ComponentNode,
+}
+
+/// The model of an axis up to the coupling.
+#[derive(Clone)]
+pub(crate) struct Front {
+    chain: Chain,
+    theta: Vec<f64>,
+}
+
+/// The path of each other axis.
+type Paths = Arc<Vec<Vec<f64>>>;
+
+/// Signals that were worked out for one set of commands.
+#[derive(Clone)]
+struct Kept {
+    /// The first of these commands.
+    data: Arc<Vec<f64>>,
+    paths: Paths,
+    /// Their sum behind the coupling, with these values of the first way.
+    sums: Vec<(Vec<f64>, Arc<Vec<f64>>)>,
+}
+
+/// Whether the axes of a coupling can be looked at as sums of ways: it is the only one of each.
+///
+/// # Errors
+/// Why they cannot.
+pub(super) fn is_sum(blueprint: &CheckedBlueprint, coupling: &CouplingSpec) -> Result<(), String> {
+    let couplings = blueprint.spec().connections.couplings.iter();
+    let touches = |c: &&CouplingSpec| {
+        c.node.enabled && c.axes.iter().any(|axis| coupling.axes.contains(axis))
+    };
+    if couplings.filter(touches).count() > 1 {
+        return Err("another coupling acts on the same axes".to_owned());
+    }
+    match way(&coupling.node, 0, 1) {
+        Some(_) => Ok(()),
+        None => Err(format!("{} is no sum of linear ways", coupling.node.name)),
+    }
+}
+
+fn way(node: &NodeSpec, to: usize, from: usize) -> Option<Way> {
+    node.component.way(&node.structure, to, from)
+}
+
+impl Joint {
+    /// How a coupling with these values in SI acts on axis number `axis`, the other axes as the blueprint has them.
+    ///
+    /// # Errors
+    /// [`Error`]: a coupling that is no sum, or an axis that reads other signals than its own.
+    pub(crate) fn new(
+        blueprint: &CheckedBlueprint,
+        (number, axis): (usize, usize),
+        values: &[f64],
+    ) -> Result<Self, Error> {
+        let coupling = &blueprint.spec().connections.couplings[number];
+        let refused = |reason: &str| refused(blueprint, &coupling.node.name, reason);
+        is_sum(blueprint, coupling).map_err(|reason| refused(&reason))?;
+        let place_in = |axis: usize| coupling.axes.iter().position(|own| *own == axis);
+        let no_way = || refused("it has no way from one of its axes to another");
+        let to = place_in(axis).ok_or_else(no_way)?;
+        let node = |from: usize| -> Result<(ComponentNode, Vec<usize>), Error> {
+            let Way { component, structure, takes } =
+                way(&coupling.node, to, from).ok_or_else(no_way)?;
+            let values = takes.iter().map(|k| values[*k]).collect();
+            let component = ComponentRef::Static(component);
+            let (links, reads_command) = (Vec::new(), false);
+            Ok((ComponentNode { component, structure, values, links, reads_command }, takes))
+        };
+        let (own, takes) = node(to)?;
+        let mut is_shared = vec![true; takes.len()];
+        let mut ways = Vec::new();
+        for (from, other) in coupling.axes.iter().enumerate().filter(|(from, _)| *from != to) {
+            let (way, of_other) = node(from)?;
+            for (shared, (a, b)) in is_shared.iter_mut().zip(takes.iter().zip(&of_other)) {
+                *shared &= a == b;
+            }
+            let front = Base::white(blueprint, (other + 1, Part::Front(number)), &[], 1.0)?;
+            let chain = front.compose(&[]);
+            let theta = vec![0.0; chain.parameters.len()];
+            let place = if *other < axis { *other } else { *other - 1 };
+            ways.push(OtherWay { axis: *other, place, front: Front { chain, theta }, way });
+        }
+        let others = Arc::new(Others { ways, is_shared, kept: Mutex::default() });
+        Ok(Self { own, takes, coupling: number, others, mode: None })
+    }
+
+    /// The same with other fronts of some of the other axes.
+    pub(crate) fn with_fronts(&self, fronts: &BTreeMap<usize, Front>) -> Self {
+        let of = |way: &OtherWay| match fronts.get(&way.axis) {
+            Some(front) => OtherWay { front: front.clone(), ..way.clone() },
+            None => way.clone(),
+        };
+        let ways = self.others.ways.iter().map(of).collect();
+        let is_shared = self.others.is_shared.clone();
+        let others = Arc::new(Others { ways, is_shared, kept: Mutex::default() });
+        Self { others, ..self.clone() }
+    }
+
+    /// The fronts of the other axes.
+    pub(crate) fn fronts(&self) -> BTreeMap<usize, Front> {
+        self.others.ways.iter().map(|way| (way.axis, way.front.clone())).collect()
+    }
+
+    /// Numbers of the other axes, in the order of the weights of a further mode.
+    pub(crate) fn other_axes(&self) -> impl Iterator<Item = usize> + '_ {
+        self.others.ways.iter().map(|way| way.axis)
+    }
+
+    /// Of a further mode the weight of each path, the own one first, then frequency and damping; nothing without one.
+    pub(crate) fn mode_values(&self, parameters: &[Parameter], theta: &[f64]) -> Vec<f64> {
+        let Some(FurtherMode { first, by_own }) = self.mode else { return Vec::new() };
+        let count = usize::from(by_own) + self.others.ways.len() + 2;
+        let own = (first..first + count).map(|k| parameters[k].value(theta[k]));
+        std::iter::repeat_n(0.0, usize::from(!by_own)).chain(own).collect()
+    }
+
+    /// Adds to `out` what the others and a further mode give, where the own path is `x`.
+    pub(crate) fn add(
+        &self,
+        (parameters, theta): (&[Parameter], &[f64]),
+        (data, horizon): (&DataSet, Horizon),
+        x: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), Failed> {
+        let (paths, sum) = self.others.of(data, &self.own.links, theta)?;
+        out.iter_mut().zip(sum.iter()).for_each(|(y, other)| *y += other);
+        if self.mode.is_none() {
+            return Ok(());
+        }
+        let values = self.mode_values(parameters, theta);
+        let Some((weights, &[frequency, damping])) = values.split_last_chunk() else {
+            return Err(Failed);
+        };
+        let mut moved: Vec<f64> = x.iter().map(|x| weights[0] * x).collect();
+        for (path, weight) in paths.iter().zip(&weights[1..]) {
+            moved.iter_mut().zip(path).for_each(|(sum, x)| *sum += weight * x);
+        }
+        let mode = ComponentNode {
+            component: ComponentRef::Static(&MODE),
+            structure: Vec::new(),
+            values: vec![frequency, damping, 1.0],
+            links: Vec::new(),
+            reads_command: false,
+        };
+        let mut of_mode = vec![0.0; moved.len()];
+        mode.run_records(theta, (data, horizon), &moved, &mut of_mode)?;
+        out.iter_mut().zip(of_mode).for_each(|(y, mode)| *y += mode);
+        Ok(())
+    }
+}
+
+impl Others {
+    /// The paths of the others, and the sum of what they add.
+    fn of(
+        &self,
+        data: &DataSet,
+        links: &[Link],
+        theta: &[f64],
+    ) -> Result<(Paths, Arc<Vec<f64>>), Failed> {
+        let Some(commands) = data.others.first() else { return Err(Failed) };
+        let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let links: Vec<Link> = links.iter().filter(|l| self.is_shared[l.index]).cloned().collect();
+        let moved = |way: &OtherWay| ComponentNode { links: links.clone(), ..way.way.clone() };
+        let key = self.ways.first().map_or_else(Vec::new, |way| moved(way).values_at(theta));
+        let known = lock().iter().find(|kept| Arc::ptr_eq(&kept.data, commands)).cloned();
+        let paths = match &known {
+            Some(kept) => {
+                if let Some((_, sum)) = kept.sums.iter().find(|(values, _)| *values == key) {
+                    return Ok((Arc::clone(&kept.paths), Arc::clone(sum)));
+                }
+                Arc::clone(&kept.paths)
+            }
+            None => {
+                let all = self.ways.iter().map(|way| way.front.path(data, way.place));
+                Arc::new(all.collect::<Result<Vec<_>, _>>()?)
+            }
+        };
+        let mut sum = vec![0.0; data.command.len()];
+        let mut own = vec![0.0; data.command.len()];
+        for (way, path) in self.ways.iter().zip(paths.iter()) {
+            moved(way).run_records(theta, (data, Horizon::All), path, &mut own)?;
+            sum.iter_mut().zip(&own).for_each(|(sum, own)| *sum += own);
+        }
+        let sum = Arc::new(sum);
+        let mut all = lock();
+        let at = all.iter().position(|kept| Arc::ptr_eq(&kept.data, commands));
+        let at = at.unwrap_or_else(|| {
+            if all.len() >= Thresholds::COMMANDS_KEPT {
+                all.remove(0);
+            }
+            let data = Arc::clone(commands);
+            all.push(Kept { data, paths: Arc::clone(&paths), sums: Vec::new() });
+            all.len() - 1
+        });
+        let sums = &mut all[at].sums;
+        if sums.len() >= Thresholds::SUMS_KEPT {
+            sums.remove(0);
+        }
+        sums.push((key, Arc::clone(&sum)));
+        Ok((paths, sum))
+    }
+}
+
+impl Front {
+    /// The front of an axis whose chain, at these values, is this: what stands before its coupling.
+    pub(crate) fn of(chain: &Chain, theta: &[f64]) -> Option<Self> {
+        let end = chain.nodes.iter().position(|node| matches!(node, Node::Joint(_)))?;
+        let nodes = chain.nodes[..end].to_vec();
+        Some(Self { chain: Chain { nodes, ..chain.clone() }, theta: theta.to_vec() })
+    }
+
+    /// Its values.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.theta
+    }
+
+    /// The path in front of the coupling, under the command number `place` of the others.
+    fn path(&self, data: &DataSet, place: usize) -> Result<Vec<f64>, Failed> {
+        let command = data.others.get(place).ok_or(Failed)?.to_vec();
+        let command_span = Span::of(command.iter().copied());
+        let own = DataSet { command, command_span, others: Vec::new(), ..data.clone() };
+        let count = AtomicU64::new(0);
+        let mut bench = Bench::new(&self.chain, &own, Horizon::All, &count);
+        bench.keep(&self.theta).map(<[f64]>::to_vec)
+    }
+}

@@ -1,0 +1,287 @@
+//! Axes that a coupling joins, looked at together: what is missing in front of it in one axis moves the readings of all.
+//!
+//! First each reading is diagnosed with the other axes as the model has them. Of what was found in front of the coupling,
+//! the axis is taken over that explains most of the *other* readings; these are diagnosed again with it, and so on, until
+//! no axis explains more. Then what one reading shows of the coupling itself is where the search in the others starts.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicU64;
+
+use super::joint::Front;
+use super::{effective, needed};
+use surround::Block;
+
+use crate::base::{Base, Hint};
+use crate::chain::{Chain, Node};
+use crate::course;
+use crate::error::Error;
+use crate::gap::Verdict;
+use crate::library::Formula;
+use crate::outcome::{Original, Outcome};
+use crate::request::Request;
+use crate::score::Judged;
+use crate::select::{Candidate, has_gap};
+use crate::task::Task;
+use crate::thresholds::search::Thresholds;
+
+/// Looks at the readings of coupled axes together; `fresh` are their tasks before any was diagnosed.
+///
+/// # Errors
+/// As [`crate::outcome::of`].
+pub(crate) fn together(
+    outcomes: &mut [Outcome],
+    fresh: &[Option<Task>],
+    request: &Request,
+    count: &AtomicU64,
+) -> Result<(), Error> {
+    let coupling = |o: &Outcome| o.task.base.joint().map(|joint| joint.coupling);
+    let mut couplings: Vec<usize> = outcomes.iter().filter_map(coupling).collect();
+    couplings.sort_unstable();
+    couplings.dedup();
+    for number in couplings {
+        let members: Vec<usize> =
+            (0..outcomes.len()).filter(|k| coupling(&outcomes[*k]) == Some(number)).collect();
+        let (fronts, searched, moved_by) = Default::default();
+        let mut axes =
+            Axes { outcomes, fresh, members, fronts, searched, moved_by, request, count };
+        axes.in_front()?;
+        axes.of_the_coupling()?;
+        axes.with_all_fronts()?;
+        axes.keep_originals();
+    }
+    Ok(())
+}
+
+/// Readings that one coupling joins.
+struct Axes<'a> {
+    outcomes: &'a mut [Outcome],
+    fresh: &'a [Option<Task>],
+    members: Vec<usize>,
+    /// What was taken over, by axis.
+    fronts: BTreeMap<usize, Front>,
+    /// With which of them each member was searched last.
+    searched: BTreeMap<usize, BTreeMap<usize, Front>>,
+    /// What the first diagnosis of each member had for its model, and the axes that moved it since.
+    moved_by: BTreeMap<usize, (Original, Vec<usize>)>,
+    request: &'a Request,
+    count: &'a AtomicU64,
+}
+
+/// What an axis would explain of the other readings.
+struct Share {
+    member: usize,
+    front: Front,
+    /// Fall of twice the negative logarithm of the likelihood.
+    gain: f64,
+    /// The members whose gap it moves.
+    moves: Vec<usize>,
+}
+
+impl Axes<'_> {
+    fn axis(&self, member: usize) -> usize {
+        self.outcomes[member].task.axis - 1
+    }
+
+    /// What is missing in front of the coupling, axis after axis.
+    fn in_front(&mut self) -> Result<(), Error> {
+        let mut is_taken = vec![false; self.outcomes.len()];
+        for _ in 0..Thresholds::ROUNDS_OF_AXES * self.members.len() {
+            let open = |k: &&usize| {
+                let o = &self.outcomes[**k];
+                has_gap(&o.found.base, o.adequate)
+            };
+            if self.members.iter().filter(open).count() < 2 {
+                break;
+            }
+            let shares = self.members.iter().filter(|k| !is_taken[**k]);
+            let shares = shares.filter_map(|member| self.share(*member));
+            let Some(share) = shares.max_by(|a, b| a.gain.total_cmp(&b.gain)) else { break };
+            is_taken[share.member] = true;
+            let axis = self.axis(share.member);
+            self.fronts.insert(axis, share.front);
+            for member in share.moves {
+                if self.again(member, &[])? {
+                    // What it shows of its own axis may be another.
+                    is_taken[member] = false;
+                    let original = self.moved_by.get_mut(&member);
+                    if let Some((_, axes)) = original.filter(|(_, axes)| !axes.contains(&axis)) {
+                        axes.push(axis);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What the best that was found in front of the coupling for one reading explains of the others; none where it
+    /// explains nothing of any.
+    fn share(&self, member: usize) -> Option<Share> {
+        let front = front(&self.outcomes[member])?;
+        let fronts = BTreeMap::from([(self.axis(member), front.clone())]);
+        let mut share = Share { member, front, gain: 0.0, moves: Vec::new() };
+        for other in self.members.iter().filter(|k| **k != member) {
+            let o = &self.outcomes[*other];
+            if !has_gap(&o.found.base, o.adequate) {
+                continue;
+            }
+            let (without, with) = (self.base(*other), self.base(*other).with_fronts(&fronts));
+            let left_with = |base: &Base, now: &Candidate| {
+                let (chain, theta) = of_its_own(o, base, now);
+                let judged = o.judge.judge(&chain, &theta, &o.task.data, o.sigma, self.count);
+                judged.map(|judged| left(&judged))
+            };
+            let part = |now: &Candidate| match (left_with(&with, now), left_with(&without, now)) {
+                (Ok(with), Ok(without)) => with / without,
+                _ => 1.0,
+            };
+            // What the model leaves, or what is left beside what was found in the other's own axis.
+            let part = part(&o.found.base).min(part(o.best()));
+            share.gain -= effective(o) * part.ln();
+            if part < Thresholds::MOVED_BY_AXIS {
+                share.moves.push(*other);
+            }
+        }
+        (share.gain > 0.0 && !share.moves.is_empty()).then_some(share)
+    }
+
+    /// The model of a member with what was taken over.
+    fn base(&self, member: usize) -> Base {
+        self.outcomes[member].task.base.with_fronts(&self.fronts)
+    }
+
+    /// Diagnoses a member again with what was taken over; whether that is better.
+    fn again(&mut self, member: usize, hints: &[Hint]) -> Result<bool, Error> {
+        let Some(task) = self.fresh.get(member).and_then(Option::as_ref) else { return Ok(false) };
+        let mut task = task.clone();
+        task.base = task.base.with_fronts(&self.fronts);
+        self.searched.insert(member, self.fronts.clone());
+        task.base.hints = hints.to_vec();
+        let again = course::settled(task, self.request, self.count)?;
+        let old = &mut self.outcomes[member];
+        if cost(&again) >= cost(old) {
+            return Ok(false);
+        }
+        let old = std::mem::replace(old, again);
+        let Outcome { given, found, sigma, .. } = old;
+        let original = Original { given, before: found.base.judged, sigma };
+        self.moved_by.entry(member).or_insert_with(|| (original, Vec::new()));
+        Ok(true)
+    }
+
+    /// What one reading shows of the coupling is where the search in the others starts.
+    fn of_the_coupling(&mut self) -> Result<(), Error> {
+        let hints: Vec<(usize, Hint)> =
+            self.members.iter().filter_map(|k| Some((*k, hint(&self.outcomes[*k])?))).collect();
+        for member in self.members.clone() {
+            let o = &self.outcomes[member];
+            let others = hints.iter().filter(|(owner, _)| *owner != member);
+            let others: Vec<Hint> = others.map(|(_, hint)| hint.clone()).collect();
+            if !others.is_empty() && has_gap(&o.found.last, o.adequate) {
+                self.again(member, &others)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Searches once more in the readings that something is left of and that were searched before the last was found.
+    fn with_all_fronts(&mut self) -> Result<(), Error> {
+        for member in self.members.clone() {
+            let o = &self.outcomes[member];
+            let axis = self.axis(member);
+            let others = |fronts: &BTreeMap<usize, Front>| -> BTreeMap<usize, Vec<f64>> {
+                let others = fronts.iter().filter(|(other, _)| **other != axis);
+                others.map(|(other, front)| (*other, front.values().to_vec())).collect()
+            };
+            let is_old = self.searched.get(&member).map(others) != Some(others(&self.fronts));
+            if is_old
+                && has_gap(&o.found.last, o.adequate)
+                && self.again(member, &[])?
+                && let Some(front) = front(&self.outcomes[member])
+            {
+                self.fronts.insert(axis, front);
+            }
+        }
+        Ok(())
+    }
+
+    /// Judges by the model as it came what was diagnosed with parts of other axes in it.
+    fn keep_originals(&mut self) {
+        for (member, (original, axes)) in std::mem::take(&mut self.moved_by) {
+            let o = &mut self.outcomes[member];
+            if axes.is_empty() {
+                continue;
+            }
+            o.moved_by = axes;
+            o.original = Some(original.in_units_of(o));
+            if matches!(o.verdict, Verdict::Adequate | Verdict::Retune) {
+                o.verdict = Verdict::Effects;
+            }
+        }
+    }
+}
+
+/// A candidate's chain and values without what reads signals of other axes: that is what the fronts replace.
+fn of_its_own(o: &Outcome, base: &Base, candidate: &Candidate) -> (Chain, Vec<f64>) {
+    let reads_others = |formula: &Formula| {
+        let blocks = formula.pieces.iter().filter_map(|piece| piece.block.effect());
+        blocks.into_iter().any(Block::reads_auxiliary) || formula.joint_mode == Some(false)
+    };
+    let chain = &candidate.chain;
+    let mut first = chain.parameters.iter().take_while(|p| p.is_base).count();
+    let (mut kept, mut own) = (Vec::new(), Vec::new());
+    for formula in o.formulas(candidate) {
+        let range = first..first + formula.parameters.len();
+        first = range.end;
+        if !reads_others(formula) {
+            kept.push(formula);
+            own.extend(&candidate.fit.theta[range]);
+        }
+    }
+    let with = base.compose(&kept);
+    let of_base = with.parameters.iter().take_while(|p| p.is_base).map(|p| {
+        let at = chain.parameters.iter().position(|q| q.is_base && q.name == p.name);
+        at.map_or(0.0, |k| candidate.fit.theta[k])
+    });
+    let theta = of_base.chain(own).collect();
+    (with, theta)
+}
+
+/// The model in front of the coupling with the best that was found there; none where nothing was.
+fn front(o: &Outcome) -> Option<Front> {
+    let (chain, theta) = of_its_own(o, &o.task.base, o.best());
+    let place = |nodes: &[Node]| nodes.iter().position(|node| matches!(node, Node::Joint(_)));
+    let is_more = place(&chain.nodes)? > place(&o.task.base.nodes)?;
+    is_more.then(|| Front::of(&chain, &theta)).flatten()
+}
+
+/// What one reading shows of the coupling itself.
+fn hint(o: &Outcome) -> Option<Hint> {
+    let last = &o.found.last;
+    let joint = last.chain.nodes.iter().find_map(|node| match node {
+        Node::Joint(joint) => Some(joint),
+        _ => None,
+    })?;
+    let released = o.formulas(last).flat_map(|formula| formula.releases.clone());
+    let released: Vec<usize> = released.collect();
+    let values = released.iter().filter_map(|k| {
+        let name = &o.task.base.parameters[*k].name;
+        let at = last.chain.parameters.iter().position(|p| p.is_base && p.name == *name)?;
+        Some((name.clone(), last.fit.theta[at]))
+    });
+    let mode = joint.mode_values(&last.chain.parameters, &last.fit.theta);
+    let frequency = mode.iter().rev().nth(1).copied();
+    let hint = Hint { released: values.collect(), frequency };
+    (!hint.released.is_empty() || hint.frequency.is_some()).then_some(hint)
+}
+
+/// Mean square over the noise's, on fitted and held-out rows alike.
+fn left(judged: &Judged) -> f64 {
+    (0.5 * (judged.training + judged.held_out)).max(1.0)
+}
+
+/// What an answer leaves and needs for it, in twice the negative logarithm of a likelihood.
+fn cost(o: &Outcome) -> f64 {
+    let best: &Candidate = &o.found.last;
+    let left = left(&best.judged) * o.sigma.powi(2);
+    effective(o) * left.ln() + needed(o)
+}
