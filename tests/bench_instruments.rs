@@ -61,8 +61,12 @@ fn drives(scheme: &str, protocol: &str, place: &str, identity: &str, mode: &str)
         let output = common::piezoloop(&call, here);
         let answer: serde_json::Value =
             serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{output:?}"));
-        // A run during which this computer stood still measures the computer: it is repeated, twice at most.
-        if runs == 3 || answer["skipped"].as_u64().is_none_or(|missed| missed < 5) {
+        // A run during which this computer stood still measures the computer: it is repeated, twice at most. It
+        // stood still for the runner where that missed deadlines, and for the instrument, which other programs of a
+        // higher priority may have kept from its processor, where answers failed to come.
+        let count = |name: &str| answer[name].as_u64().unwrap_or_default();
+        let is_quiet = count("skipped") < 5 && 4 * count("held") < count("cycles");
+        if runs == 3 || is_quiet {
             assert!(output.status.success(), "{answer:#}");
             break (machine, record, answer);
         }
@@ -74,7 +78,7 @@ fn drives(scheme: &str, protocol: &str, place: &str, identity: &str, mode: &str)
     assert!(messages.contains(identity) && messages.contains(mode), "{messages}");
     let log = data::Log::read(&here.join(&record), &data::ReadOptions::default()).unwrap();
     let greatest = log.column("position[1]").unwrap().values.iter().fold(0.0_f64, |m, y| m.max(*y));
-    assert!((1.5..2.5).contains(&greatest), "{greatest} um of 2");
+    assert!((1.5..2.5).contains(&greatest), "{greatest} um of 2: {answer:#}");
     assert_eq!(json(&["bench", "replay", &record], here)["different"], 0);
     machine.signal("-TERM");
     let (messages, code) = machine.end();

@@ -7,10 +7,10 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicU64;
 
-use super::joint::Front;
-use super::{effective, needed};
 use surround::Block;
 
+use super::joint::Front;
+use super::{effective, needed};
 use crate::base::{Base, Hint};
 use crate::chain::{Chain, Node};
 use crate::course;
