@@ -72,7 +72,9 @@ pub(crate) struct Original {
     pub(crate) given: Judged,
     /// The re-tuned model, judged.
     pub(crate) before: Judged,
-    /// Standard deviation of the noise by which both are judged, in SI.
+    /// Residual of the robustly re-tuned model, in standard deviations.
+    pub(crate) robust: Vec<f64>,
+    /// Standard deviation of the noise by which all are judged, in SI.
     pub(crate) sigma: f64,
 }
 
@@ -80,10 +82,10 @@ impl Original {
     /// The same in standard deviations of another outcome's noise.
     pub(crate) fn in_units_of(self, o: &Outcome) -> Self {
         let ratio = self.sigma / o.sigma;
-        let judged = |j: &Judged| {
-            o.judge.figures(j.residual.iter().map(|r| ratio * r).collect(), &o.task.data)
-        };
-        Self { given: judged(&self.given), before: judged(&self.before), sigma: o.sigma }
+        let scaled = |residual: &[f64]| residual.iter().map(|r| ratio * r).collect::<Vec<f64>>();
+        let judged = |j: &Judged| o.judge.figures(scaled(&j.residual), &o.task.data);
+        let (given, before) = (judged(&self.given), judged(&self.before));
+        Self { given, before, robust: scaled(&self.robust), sigma: o.sigma }
     }
 }
 

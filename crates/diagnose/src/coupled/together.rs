@@ -162,8 +162,8 @@ impl Axes<'_> {
             return Ok(false);
         }
         let old = std::mem::replace(old, again);
-        let Outcome { given, found, sigma, .. } = old;
-        let original = Original { given, before: found.base.judged, sigma };
+        let Outcome { given, found, robust, sigma, .. } = old;
+        let original = Original { given, before: found.base.judged, robust, sigma };
         self.moved_by.entry(member).or_insert_with(|| (original, Vec::new()));
         Ok(true)
     }
@@ -212,7 +212,9 @@ impl Axes<'_> {
                 continue;
             }
             o.moved_by = axes;
-            o.original = Some(original.in_units_of(o));
+            let original = original.in_units_of(o);
+            o.robust.clone_from(&original.robust);
+            o.original = Some(original);
             if matches!(o.verdict, Verdict::Adequate | Verdict::Retune) {
                 o.verdict = Verdict::Effects;
             }

@@ -42,7 +42,7 @@ fn over_time(o: &Outcome, title: String, rows: Range<usize>) -> TimeSeries {
     let y: Vec<f64> = data.y[rows.clone()].iter().map(|y| y / o.task.factor).collect();
     let without = |residual: &[f64]| y.iter().zip(residual).map(|(y, r)| y - r).collect::<Vec<_>>();
     let (before, after) = (in_unit(&o.before().residual), in_unit(&o.with_effects().residual));
-    let is_repaired = !o.found.last.picks.is_empty();
+    let is_repaired = o.is_explained();
     let mut figure = TimeSeries::new(title, &data.time[rows.clone()])
         .measured("measured", unit, &y)
         .model("model, re-tuned", unit, &without(&before));
@@ -59,7 +59,7 @@ fn over_time(o: &Outcome, title: String, rows: Range<usize>) -> TimeSeries {
 /// How often the gap has each size, before and after.
 fn histogram(o: &Outcome, record: &str, before: &[f64], after: &[f64]) -> Histogram {
     let mut sets = vec![(Role::Residual, "before", before)];
-    if !o.found.last.picks.is_empty() {
+    if o.is_explained() {
         sets.push((Role::Other, "after", after));
     }
     let title = format!("{}: size of the gap, {record}", o.task.output);
@@ -80,7 +80,7 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
         let title = format!("{}: {}", o.task.output, record.name);
         section = section.figure(over_time(o, title, rows.clone()));
         let mut errors = vec![(Role::Residual, "before", &before[..])];
-        if !o.found.last.picks.is_empty() {
+        if o.is_explained() {
             errors.push((Role::Other, "after", &after));
         }
         let title = format!("Spectrum of the gap: {}", record.name);
@@ -100,7 +100,7 @@ fn signals(mut section: Section, o: &Outcome) -> Section {
             (Role::Model, "model, re-tuned", &model[..]),
         ];
         let repaired: Vec<f64> = y.iter().zip(&after).map(|(y, r)| y - r).collect();
-        if !o.found.last.picks.is_empty() {
+        if o.is_explained() {
             outputs.push((Role::Other, "model, repaired", &repaired));
         }
         let answered = Answered { input: &command, outputs, period: data.sample_time };
@@ -134,7 +134,7 @@ fn map(mut section: Section, o: &Outcome) -> Section {
         let (f, before) = level(&o.robust);
         let mut figure =
             Spectrum::new(title, axis()).linear().trace(Role::Residual, "before", &f, &before);
-        if !o.found.last.picks.is_empty() {
+        if o.is_explained() {
             let (f, after) = level(&o.with_effects().residual);
             figure = figure.trace(Role::Other, "after", &f, &after);
         }
@@ -175,7 +175,7 @@ fn gap_over_command(o: &Outcome, name: &str, rows: Range<usize>) -> XyLoop {
         Axis::new("gap", o.task.unit.as_str()),
     )
     .line(Role::Residual, "before", &command, &in_unit(&o.robust));
-    if !o.found.last.picks.is_empty() {
+    if o.is_explained() {
         let after = in_unit(&o.with_effects().residual);
         figure = figure.line(Role::Other, "after", &command, &after);
     }
