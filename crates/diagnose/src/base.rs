@@ -10,8 +10,8 @@ use surround::Memory;
 
 use self::compose::Composer;
 use crate::black_box::BlackBox;
-use crate::chain::{Chain, ComponentNode, Node};
-use crate::coupled::{self, Front, Joint};
+use crate::chain::{self, Chain, ComponentNode, Node};
+use crate::coupled::{self, Front, Hint, Joint};
 use crate::error::Error;
 use crate::library::{Formula, Slot};
 use crate::request::{Deviation, Tolerance};
@@ -84,15 +84,6 @@ pub(crate) struct Base {
     pub(crate) hints: Vec<Hint>,
 }
 
-/// What another reading shows of a coupling of several axes.
-#[derive(Clone, Debug)]
-pub(crate) struct Hint {
-    /// Coordinates of parameters of the model, by name.
-    pub(crate) released: Vec<(String, f64)>,
-    /// Frequency of a further mode in Hz.
-    pub(crate) frequency: Option<f64>,
-}
-
 impl Base {
     /// The FMUs among the nodes.
     pub(crate) fn black_boxes(&self) -> Vec<BlackBox> {
@@ -156,9 +147,8 @@ impl Base {
             if is_noise(declaration) || !spec.enabled {
                 continue;
             }
-            let coupling =
-                standing.coupling.map(|k| (k, &blueprint.spec().connections.couplings[k]));
-            let joint = coupling.filter(|(_, coupling)| coupling.axes.len() > 1).map(|(k, _)| k);
+            let couplings = &blueprint.spec().connections.couplings;
+            let joint = standing.coupling.filter(|k| couplings[*k].axes.len() > 1);
             if !(declaration.inputs.len() == 1 || reads_command(declaration)) {
                 let reason = format!(
                     "axis[{number}].{} ({}) reads other signals than its axis' own",
@@ -181,10 +171,8 @@ impl Base {
             };
             let units = (axis.command_unit.as_str(), position_unit);
             let values = in_si(units, spec);
-            let joint = match joint {
-                Some(k) => Some(Joint::new(blueprint, (k, number - 1), &values)?),
-                None => None,
-            };
+            let joint =
+                joint.map(|k| Joint::new(blueprint, (k, number - 1), &values)).transpose()?;
             base.component(units, &path, (spec, &values), messages, tolerances, joint);
         }
         base.place_slots(&stages);
@@ -323,10 +311,7 @@ impl Base {
 
     /// The coupling of several axes behind its path.
     pub(crate) fn joint(&self) -> Option<&Joint> {
-        self.nodes.iter().find_map(|node| match node {
-            Node::Joint(joint) => Some(joint),
-            _ => None,
-        })
+        chain::joint(&self.nodes).map(|(_, joint)| joint)
     }
 
     /// The same with other fronts of some of the other axes.
@@ -354,13 +339,9 @@ impl Base {
                 .collect(),
             actuator: end,
             mode: None,
-            // All of them: what goes in last goes in before the actuator.
-            components: self.components.clone(),
             memory: None,
-            gain_tolerance: self.gain_tolerance,
-            is_white: self.is_white,
-            part: self.part,
-            hints: Vec::new(),
+            // All components: what goes in last goes in before the actuator.
+            ..self.clone()
         }
     }
 
@@ -380,11 +361,7 @@ impl Base {
             actuator: 0,
             mode: self.mode.and_then(|k| k.checked_sub(first)),
             components: self.components[first..].to_vec(),
-            memory: self.memory.clone(),
-            gain_tolerance: self.gain_tolerance,
-            is_white: self.is_white,
-            part: self.part,
-            hints: Vec::new(),
+            ..self.clone()
         }
     }
 

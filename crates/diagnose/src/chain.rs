@@ -102,6 +102,21 @@ pub(crate) enum Node {
     BlackBox(BlackBox),
 }
 
+impl Node {
+    /// The coupling of several axes that it is.
+    pub(crate) fn joint(&self) -> Option<&Joint> {
+        match self {
+            Node::Joint(joint) => Some(joint),
+            _ => None,
+        }
+    }
+}
+
+/// The coupling of several axes among nodes, with its place.
+pub(crate) fn joint(nodes: &[Node]) -> Option<(usize, &Joint)> {
+    nodes.iter().enumerate().find_map(|(k, node)| Some((k, node.joint()?)))
+}
+
 /// Why a simulation of a candidate has no result: parameters that are none, or numbers that overflow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Failed;

@@ -17,7 +17,7 @@ use surround::Span;
 
 use self::group::Group;
 pub(crate) use self::joint::{Front, FurtherMode, Joint};
-pub(crate) use self::together::together;
+pub(crate) use self::together::{Hint, together};
 use crate::base::{Base, Part};
 use crate::chain::{Bench, Horizon};
 use crate::data_set::Auxiliary;

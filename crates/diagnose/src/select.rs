@@ -10,6 +10,7 @@ use std::sync::atomic::AtomicU64;
 use components::effects;
 use rayon::prelude::*;
 
+pub(crate) use self::formulas::carried;
 pub(crate) use self::memo::Memo;
 use self::memo::Part;
 use crate::base::Base;
@@ -454,28 +455,7 @@ impl<'a> Search<'a> {
         from: &Candidate,
         picks: &[(usize, usize)],
     ) -> Result<(Chain, Vec<f64>), Failed> {
-        let chain = self.base.compose(&self.formulas(picks));
-        let values = |pick: &(usize, usize)| {
-            let at = from.picks.iter().position(|p| p == pick)?;
-            let before: usize =
-                self.formulas(&from.picks)[..at].iter().map(|f| f.parameters.len()).sum();
-            let first = from.chain.parameters.iter().take_while(|p| p.is_base).count() + before;
-            let count = self.formulas(&from.picks)[at].parameters.len();
-            Some(from.fit.theta[first..first + count].to_vec())
-        };
-        let mut theta: Vec<f64> = chain
-            .parameters
-            .iter()
-            .take_while(|p| p.is_base)
-            .map(|p| {
-                let same = from.chain.parameters.iter().position(|o| o.is_base && o.name == p.name);
-                same.map_or(0.0, |k| from.fit.theta[k])
-            })
-            .collect();
-        for pick in picks {
-            theta.extend(values(pick).ok_or(Failed)?);
-        }
-        Ok((chain, theta))
+        carried((self.base, self.library), from, picks).ok_or(Failed)
     }
 }
 

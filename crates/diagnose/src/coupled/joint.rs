@@ -15,7 +15,7 @@ use surround::Span;
 
 use super::refused;
 use crate::base::{Base, Part};
-use crate::chain::{Bench, Chain, ComponentNode, Failed, Horizon, Link, Node, Parameter};
+use crate::chain::{self, Bench, Chain, ComponentNode, Failed, Horizon, Link, Parameter};
 use crate::data_set::DataSet;
 use crate::error::Error;
 use crate::thresholds::base::Thresholds;
@@ -30,6 +30,7 @@ pub(crate) struct Joint {
     /// The coupling's number in the blueprint.
     pub(crate) coupling: usize,
     others: Arc<Others>,
+    /// A further mode, where a candidate has one.
     pub(crate) mode: Option<FurtherMode>,
 }
 
@@ -71,7 +72,6 @@ pub(crate) struct Front {
 type Paths = Arc<Vec<Vec<f64>>>;
 
 /// Signals that were worked out for one set of commands.
-#[derive(Clone)]
 struct Kept {
     /// The first of these commands.
     data: Arc<Vec<f64>>,
@@ -222,14 +222,13 @@ impl Others {
         let links: Vec<Link> = links.iter().filter(|l| self.is_shared[l.index]).cloned().collect();
         let moved = |way: &OtherWay| ComponentNode { links: links.clone(), ..way.way.clone() };
         let key = self.ways.first().map_or_else(Vec::new, |way| moved(way).values_at(theta));
-        let known = lock().iter().find(|kept| Arc::ptr_eq(&kept.data, commands)).cloned();
-        let paths = match &known {
-            Some(kept) => {
-                if let Some((_, sum)) = kept.sums.iter().find(|(values, _)| *values == key) {
-                    return Ok((Arc::clone(&kept.paths), Arc::clone(sum)));
-                }
-                Arc::clone(&kept.paths)
-            }
+        let known = lock().iter().find(|kept| Arc::ptr_eq(&kept.data, commands)).map(|kept| {
+            let sum = kept.sums.iter().find(|(values, _)| *values == key);
+            (Arc::clone(&kept.paths), sum.map(|(_, sum)| Arc::clone(sum)))
+        });
+        let paths = match known {
+            Some((paths, Some(sum))) => return Ok((paths, sum)),
+            Some((paths, None)) => paths,
             None => {
                 let all = self.ways.iter().map(|way| way.front.path(data, way.place));
                 Arc::new(all.collect::<Result<Vec<_>, _>>()?)
@@ -264,7 +263,7 @@ impl Others {
 impl Front {
     /// The front of an axis whose chain, at these values, is this: what stands before its coupling.
     pub(crate) fn of(chain: &Chain, theta: &[f64]) -> Option<Self> {
-        let end = chain.nodes.iter().position(|node| matches!(node, Node::Joint(_)))?;
+        let (end, _) = chain::joint(&chain.nodes)?;
         let nodes = chain.nodes[..end].to_vec();
         Some(Self { chain: Chain { nodes, ..chain.clone() }, theta: theta.to_vec() })
     }

@@ -11,8 +11,8 @@ use surround::Block;
 
 use super::joint::Front;
 use super::{effective, needed};
-use crate::base::{Base, Hint};
-use crate::chain::{Chain, Node};
+use crate::base::Base;
+use crate::chain::{self, Chain};
 use crate::course;
 use crate::error::Error;
 use crate::gap::Verdict;
@@ -20,9 +20,18 @@ use crate::library::Formula;
 use crate::outcome::{Original, Outcome};
 use crate::request::Request;
 use crate::score::Judged;
-use crate::select::{Candidate, has_gap};
+use crate::select::{Candidate, carried, has_gap};
 use crate::task::Task;
 use crate::thresholds::search::Thresholds;
+
+/// What another reading shows of a coupling of several axes.
+#[derive(Clone, Debug)]
+pub(crate) struct Hint {
+    /// Coordinates of parameters of the model, by name.
+    pub(crate) released: Vec<(String, f64)>,
+    /// Frequency of a further mode in Hz.
+    pub(crate) frequency: Option<f64>,
+}
 
 /// Looks at the readings of coupled axes together; `fresh` are their tasks before any was diagnosed.
 ///
@@ -59,8 +68,8 @@ struct Axes<'a> {
     members: Vec<usize>,
     /// What was taken over, by axis.
     fronts: BTreeMap<usize, Front>,
-    /// With which of them each member was searched last.
-    searched: BTreeMap<usize, BTreeMap<usize, Front>>,
+    /// With which values of them each member was searched last; none: with the model as it came.
+    searched: BTreeMap<usize, BTreeMap<usize, Vec<f64>>>,
     /// What the first diagnosis of each member had for its model, and the axes that moved it since.
     moved_by: BTreeMap<usize, (Original, Vec<usize>)>,
     request: &'a Request,
@@ -124,14 +133,15 @@ impl Axes<'_> {
             if !has_gap(&o.found.base, o.adequate) {
                 continue;
             }
-            let (without, with) = (self.base(*other), self.base(*other).with_fronts(&fronts));
+            let without = o.task.base.with_fronts(&self.fronts);
+            let with = without.with_fronts(&fronts);
             let left_with = |base: &Base, now: &Candidate| {
-                let (chain, theta) = of_its_own(o, base, now);
+                let (chain, theta) = of_its_own(o, base, now)?;
                 let judged = o.judge.judge(&chain, &theta, &o.task.data, o.sigma, self.count);
-                judged.map(|judged| left(&judged))
+                judged.ok().map(|judged| left(&judged))
             };
             let part = |now: &Candidate| match (left_with(&with, now), left_with(&without, now)) {
-                (Ok(with), Ok(without)) => with / without,
+                (Some(with), Some(without)) => with / without,
                 _ => 1.0,
             };
             // What the model leaves, or what is left beside what was found in the other's own axis.
@@ -144,9 +154,11 @@ impl Axes<'_> {
         (share.gain > 0.0 && !share.moves.is_empty()).then_some(share)
     }
 
-    /// The model of a member with what was taken over.
-    fn base(&self, member: usize) -> Base {
-        self.outcomes[member].task.base.with_fronts(&self.fronts)
+    /// The values of what was taken over of the axes beside a member's.
+    fn beside(&self, member: usize) -> BTreeMap<usize, Vec<f64>> {
+        let own = self.axis(member);
+        let others = self.fronts.iter().filter(|(axis, _)| **axis != own);
+        others.map(|(axis, front)| (*axis, front.values().to_vec())).collect()
     }
 
     /// Diagnoses a member again with what was taken over; whether that is better.
@@ -154,7 +166,7 @@ impl Axes<'_> {
         let Some(task) = self.fresh.get(member).and_then(Option::as_ref) else { return Ok(false) };
         let mut task = task.clone();
         task.base = task.base.with_fronts(&self.fronts);
-        self.searched.insert(member, self.fronts.clone());
+        self.searched.insert(member, self.beside(member));
         task.base.hints = hints.to_vec();
         let again = course::settled(task, self.request, self.count)?;
         let old = &mut self.outcomes[member];
@@ -186,13 +198,9 @@ impl Axes<'_> {
     /// Searches once more in the readings that something is left of and that were searched before the last was found.
     fn with_all_fronts(&mut self) -> Result<(), Error> {
         for member in self.members.clone() {
-            let o = &self.outcomes[member];
-            let axis = self.axis(member);
-            let others = |fronts: &BTreeMap<usize, Front>| -> BTreeMap<usize, Vec<f64>> {
-                let others = fronts.iter().filter(|(other, _)| **other != axis);
-                others.map(|(other, front)| (*other, front.values().to_vec())).collect()
-            };
-            let is_old = self.searched.get(&member).map(others) != Some(others(&self.fronts));
+            let (o, axis) = (&self.outcomes[member], self.axis(member));
+            let searched = self.searched.get(&member).cloned().unwrap_or_default();
+            let is_old = searched != self.beside(member);
             if is_old
                 && has_gap(&o.found.last, o.adequate)
                 && self.again(member, &[])?
@@ -223,35 +231,20 @@ impl Axes<'_> {
 }
 
 /// A candidate's chain and values without what reads signals of other axes: that is what the fronts replace.
-fn of_its_own(o: &Outcome, base: &Base, candidate: &Candidate) -> (Chain, Vec<f64>) {
+fn of_its_own(o: &Outcome, base: &Base, candidate: &Candidate) -> Option<(Chain, Vec<f64>)> {
     let reads_others = |formula: &Formula| {
-        let blocks = formula.pieces.iter().filter_map(|piece| piece.block.effect());
-        blocks.into_iter().any(Block::reads_auxiliary) || formula.joint_mode == Some(false)
+        let mut blocks = formula.pieces.iter().filter_map(|piece| piece.block.effect());
+        blocks.any(Block::reads_auxiliary) || formula.joint_mode == Some(false)
     };
-    let chain = &candidate.chain;
-    let mut first = chain.parameters.iter().take_while(|p| p.is_base).count();
-    let (mut kept, mut own) = (Vec::new(), Vec::new());
-    for formula in o.formulas(candidate) {
-        let range = first..first + formula.parameters.len();
-        first = range.end;
-        if !reads_others(formula) {
-            kept.push(formula);
-            own.extend(&candidate.fit.theta[range]);
-        }
-    }
-    let with = base.compose(&kept);
-    let of_base = with.parameters.iter().take_while(|p| p.is_base).map(|p| {
-        let at = chain.parameters.iter().position(|q| q.is_base && q.name == p.name);
-        at.map_or(0.0, |k| candidate.fit.theta[k])
-    });
-    let theta = of_base.chain(own).collect();
-    (with, theta)
+    let picks = candidate.picks.iter().zip(o.formulas(candidate));
+    let kept = picks.filter(|(_, formula)| !reads_others(formula)).map(|(pick, _)| *pick);
+    carried((base, &o.library), candidate, &kept.collect::<Vec<_>>())
 }
 
 /// The model in front of the coupling with the best that was found there; none where nothing was.
 fn front(o: &Outcome) -> Option<Front> {
-    let (chain, theta) = of_its_own(o, &o.task.base, o.best());
-    let place = |nodes: &[Node]| nodes.iter().position(|node| matches!(node, Node::Joint(_)));
+    let (chain, theta) = of_its_own(o, &o.task.base, o.best())?;
+    let place = |nodes| chain::joint(nodes).map(|(place, _)| place);
     let is_more = place(&chain.nodes)? > place(&o.task.base.nodes)?;
     is_more.then(|| Front::of(&chain, &theta)).flatten()
 }
@@ -259,10 +252,7 @@ fn front(o: &Outcome) -> Option<Front> {
 /// What one reading shows of the coupling itself.
 fn hint(o: &Outcome) -> Option<Hint> {
     let last = &o.found.last;
-    let joint = last.chain.nodes.iter().find_map(|node| match node {
-        Node::Joint(joint) => Some(joint),
-        _ => None,
-    })?;
+    let (_, joint) = chain::joint(&last.chain.nodes)?;
     let released = o.formulas(last).flat_map(|formula| formula.releases.clone());
     let released: Vec<usize> = released.collect();
     let values = released.iter().filter_map(|k| {

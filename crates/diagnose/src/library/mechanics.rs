@@ -163,25 +163,18 @@ fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
 
 /// A mode of a structure that all commands move, or all others: one frequency and damping, a weight for each command.
 fn shared_mode(s: &Setting<'_>, by_own: bool) -> Option<Formula> {
-    let neighbours: Vec<usize> =
-        s.data.aux.iter().enumerate().filter(|(_, a)| a.is_command).map(|(k, _)| k).collect();
-    let is_possible = (1..=Thresholds::SHARING_COMMANDS).contains(&neighbours.len());
     if let Some(joint) = s.base.joint() {
         return mode_of_joint(s, joint.other_axes().count(), by_own);
     }
+    let neighbours: Vec<usize> =
+        s.data.aux.iter().enumerate().filter(|(_, a)| a.is_command).map(|(k, _)| k).collect();
+    let is_possible = (1..=Thresholds::SHARING_COMMANDS).contains(&neighbours.len());
     // The axes of a blueprint that nothing couples share no structure.
     if s.base.is_white || !is_possible {
         return None;
     }
     let count = usize::from(by_own) + neighbours.len();
-    let (low, high) = (0.5 / s.length, 0.49 / s.sample);
-    let mut formula = Formula::new("mode that all commands move").screened(count).resonates(count);
-    formula.starts_at_promise = true;
-    let weights = WEIGHTS.iter().take(count);
-    formula.parameters =
-        weights.map(|name| Free::linear(name, "1", -2.0, 2.0).step(1e-3)).collect();
-    formula.parameters.push(Free::log("frequency", "Hz", low, high).step(2e-3));
-    formula.parameters.push(Free::log("damping", "1", 1e-3, 0.12));
+    let mut formula = weighted_mode(s, "mode that all commands move", WEIGHTS.get(..count)?, 24);
     let own = by_own.then_some((OWN_COMMAND, s.command.half, 0.0));
     let others = neighbours.iter().map(|k| {
         let aux = &s.data.aux[*k];
@@ -193,31 +186,37 @@ fn shared_mode(s: &Setting<'_>, by_own: bool) -> Option<Formula> {
         let takes = vec![number, count, count + 1];
         formula = formula.sharing(Slot::AfterMechanics, block, takes).aux(aux);
     }
-    let start = |f: f64| {
-        let mut all = vec![1e-3; count];
-        all.extend([f, 0.03]);
-        all
-    };
-    Some(formula.starts(frequencies(s, 24).into_iter().map(start)))
+    Some(formula)
+}
+
+/// A mode with these weights, its frequency and its damping as parameters, and so many starts over the band.
+fn weighted_mode(
+    s: &Setting<'_>,
+    name: &'static str,
+    weights: &[&'static str],
+    starts: usize,
+) -> Formula {
+    let count = weights.len();
+    let (low, high) = (0.5 / s.length, 0.49 / s.sample);
+    let mut formula = Formula::new(name).screened(count).resonates(count);
+    formula.starts_at_promise = true;
+    let weight = |name: &&'static str| Free::linear(name, "1", -2.0, 2.0).step(1e-3);
+    formula.parameters = weights.iter().map(weight).collect();
+    formula.parameters.push(Free::log("frequency", "Hz", low, high).step(2e-3));
+    formula.parameters.push(Free::log("damping", "1", 1e-3, 0.12));
+    let start = |f: f64| [vec![1e-3; count], vec![f, 0.03]].concat();
+    formula.starts(frequencies(s, starts).into_iter().map(start))
 }
 
 /// A further mode of the coupling that joins several axes: all paths in front of it move it, or those of the others.
 fn mode_of_joint(s: &Setting<'_>, others: usize, by_own: bool) -> Option<Formula> {
     let weights = WEIGHTS.get(usize::from(!by_own)..1 + others)?;
-    let count = weights.len();
-    let (low, high) = (0.5 / s.length, 0.49 / s.sample);
     let name = if by_own { "mode that all axes move" } else { "mode that the other axes move" };
-    let mut formula = Formula::new(name).screened(count).resonates(count);
-    let weight = |name: &&'static str| Free::linear(name, "1", -2.0, 2.0).step(1e-3);
-    formula.parameters = weights.iter().map(weight).collect();
-    formula.parameters.push(Free::log("frequency", "Hz", low, high).step(2e-3));
-    formula.parameters.push(Free::log("damping", "1", 1e-3, 0.12));
+    // A lightly damped mode is seen from a start within its width.
+    let mut formula = weighted_mode(s, name, weights, 72);
     formula.joint_mode = Some(by_own);
     formula.is_fitted_anew = true;
-    formula.starts_at_promise = true;
-    let start = |f: f64| [vec![1e-3; count], vec![f, 0.03]].concat();
-    // A lightly damped mode is seen from a start within its width.
-    Some(formula.starts(frequencies(s, 72).into_iter().map(start)))
+    Some(formula)
 }
 
 /// Names of the weights of a mode that all commands move, the path's own command first.

@@ -3,7 +3,7 @@
 use data::{Blueprint, Value};
 use model::{CouplingSpec, Role};
 
-use crate::chain::Node;
+use crate::chain;
 use crate::outcome::Outcome;
 use crate::thresholds::answer::Thresholds;
 
@@ -70,10 +70,7 @@ fn mean<'a>(changes: impl Iterator<Item = &'a &'a Change> + Clone) -> f64 {
 /// What one reading shows of the values of its coupling.
 fn changes(o: &Outcome) -> Vec<Change> {
     let (base, last) = (&o.task.base, &o.found.last);
-    let Some(node) = base.nodes.iter().position(|n| matches!(n, Node::Joint(_))) else {
-        return Vec::new();
-    };
-    let Some(joint) = base.joint() else { return Vec::new() };
+    let Some((node, joint)) = chain::joint(&base.nodes) else { return Vec::new() };
     let mut all = Vec::new();
     for p in base.parameters.iter().filter(|p| p.node == node) {
         let mut own = last.chain.parameters.iter();
@@ -92,10 +89,7 @@ fn changes(o: &Outcome) -> Vec<Change> {
 /// The further mode that one reading shows.
 fn mode(o: &Outcome, couplings: &[CouplingSpec]) -> Option<Mode> {
     let last = &o.found.last;
-    let joint = last.chain.nodes.iter().find_map(|node| match node {
-        Node::Joint(joint) => Some(joint),
-        _ => None,
-    })?;
+    let (_, joint) = chain::joint(&last.chain.nodes)?;
     let values = joint.mode_values(&last.chain.parameters, &last.fit.theta);
     let (weights, &[frequency, damping]) = values.split_last_chunk()?;
     let axes = &couplings.get(joint.coupling)?.axes;

@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use super::memo::Part;
 use super::{Candidate, Looked, Search};
-use crate::chain::Failed;
+use crate::base::Base;
+use crate::chain::{Chain, Failed};
+use crate::library::Family;
 use crate::thresholds::fit::Thresholds;
 
 impl Search<'_> {
@@ -73,4 +75,29 @@ impl Search<'_> {
         let fit = self.fitter().fit(&quick.chain, &quick.fit.theta)?;
         self.candidate(quick.picks, quick.chain, fit)
     }
+}
+
+/// The chain of a model with a set of effects of which all are in `from`, with its values.
+pub(crate) fn carried(
+    (base, library): (&Base, &[Family]),
+    from: &Candidate,
+    picks: &[(usize, usize)],
+) -> Option<(Chain, Vec<f64>)> {
+    let formula = |(family, number): &(usize, usize)| &library[*family].formulas[*number];
+    let chain = base.compose(&picks.iter().map(formula).collect::<Vec<_>>());
+    let first = from.chain.parameters.iter().take_while(|p| p.is_base).count();
+    let values = |pick: &(usize, usize)| {
+        let at = from.picks.iter().position(|p| p == pick)?;
+        let before: usize = from.picks[..at].iter().map(|p| formula(p).parameters.len()).sum();
+        from.fit.theta.get(first + before..)?.get(..formula(pick).parameters.len())
+    };
+    let of_base = chain.parameters.iter().take_while(|p| p.is_base).map(|p| {
+        let same = from.chain.parameters.iter().position(|o| o.is_base && o.name == p.name);
+        same.map_or(0.0, |k| from.fit.theta[k])
+    });
+    let mut theta: Vec<f64> = of_base.collect();
+    for pick in picks {
+        theta.extend(values(pick)?);
+    }
+    Some((chain, theta))
 }
