@@ -148,6 +148,15 @@ static void wasm_rt_free_funcref_table(wasm_rt_funcref_table_t* table) {
 /* The address in the core's memory; 0 is the null pointer. */
 static void* at(Instance* s, uint32_t address) { return s->core.w2c_memory.data + address; }
 
+/* The length of a text, 0 of none. Compilers put `strlen` in place of such a loop, which a program without a C library
+ * does not have; not where each byte must be read. */
+static size_t length_of(const char* text) {
+  const volatile char* bytes = text;
+  size_t length = 0;
+  while (bytes && bytes[length]) length++;
+  return length;
+}
+
 /* Whether this many bytes lie at the address: what the core hands out is looked at before it is read. */
 static bool lies_inside(Instance* s, uint32_t address, uint64_t length) {
   return address + length <= s->core.w2c_memory.size;
@@ -289,10 +298,8 @@ static void build(Instance* s) {
 /* An instance in the importer's memory; null with a message where there is none. */
 static Instance* create(Importer importer, void* (*allocate)(size_t, size_t), void (*release)(void*), const char* name,
                         const char* token, bool is_logging) {
-  size_t length = 0;
-  Instance* s;
-  while (name && name[length]) length++;
-  s = (Instance*)allocate(1, sizeof(Instance) + length + 1);
+  size_t length = length_of(name);
+  Instance* s = (Instance*)allocate(1, sizeof(Instance) + length + 1);
   if (!s) {
     importer.name = name;
     tell_importer(&importer, STATUS_ERROR, "logStatusError", "instantiation: there is no memory for an instance");
@@ -355,10 +362,8 @@ static uint32_t put_texts(Instance* s, const char* const* texts, size_t count) {
 }
 
 static void put_name_and_token(Instance* s, uint32_t* name, uint32_t* token) {
-  size_t name_length = 0, token_length = 0;
+  size_t name_length = length_of(s->name), token_length = length_of(s->token);
   uint32_t place;
-  while (s->name && s->name[name_length]) name_length++;
-  while (s->token && s->token[token_length]) token_length++;
   place = room_for(s, (uint32_t)(name_length + token_length + 32));
   *name = put(s, &place, s->name, name_length + 1);
   *token = put(s, &place, s->token, token_length + 1);

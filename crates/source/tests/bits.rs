@@ -184,9 +184,15 @@ fn headers() -> Option<PathBuf> {
     folders.find(|folder| folder.join("fmi2Functions.h").is_file())
 }
 
-/// Compiles the program in the folder; none with a line that says why.
-fn compile(folder: &Path) -> Option<PathBuf> {
-    let given = std::env::var("PIEZOLOOP_CC").unwrap_or("cc -O0".into());
+/// Compiles a program of `tests/c` in the folder, beside the given sources and with further flags; none with a line that
+/// says why.
+fn compile<N: AsRef<Path>>(
+    folder: &Path,
+    sources: Vec<(N, Vec<u8>)>,
+    main: &str,
+    flags: &[&str],
+) -> Option<PathBuf> {
+    let given = compiler();
     let mut words = given.split_whitespace();
     let compiler = words.next()?;
     if Command::new(compiler).arg("--version").output().is_err() {
@@ -197,23 +203,69 @@ fn compile(folder: &Path) -> Option<PathBuf> {
         println!("SKIPPED: no fmpy with the standard's headers (PIEZOLOOP_PYTHON not set)");
         return None;
     };
-    for file in source::package::core().expect("whole") {
-        std::fs::write(folder.join(file.0), file.1).expect("a file");
+    for (name, content) in sources {
+        std::fs::write(folder.join(name), content).expect("a file");
     }
-    let program = folder.join("bits");
+    let program = folder.join("program");
     let output = Command::new(compiler)
         .args(words)
         .arg("-I")
         .arg(folder)
         .arg("-I")
         .arg(headers)
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/c/bits.c"))
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/c").join(main))
         .arg("-o")
         .arg(&program)
+        .args(flags)
         .output()
         .expect("the compiler starts");
     assert!(output.status.success(), "{given}: {}", String::from_utf8_lossy(&output.stderr));
     Some(program)
+}
+
+fn compiler() -> String {
+    std::env::var("PIEZOLOOP_CC").unwrap_or("cc -O0".into())
+}
+
+/// What runs a program that is not for this machine.
+fn runner() -> Vec<String> {
+    let given = std::env::var("PIEZOLOOP_RUN").unwrap_or_default();
+    given.split_whitespace().map(str::to_owned).collect()
+}
+
+/// Only gcc can return from a trap without a function of the C library (`setjmp`).
+#[test]
+fn an_fmu_in_a_program_without_a_c_library_gives_the_bits_of_the_native_code() {
+    if compiler().starts_with("clang") || !cfg!(target_os = "linux") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let rig = rigs::RIGS.iter().find(|rig| rig.name == "evc").expect("a rig");
+    let blueprint = data::Blueprint::parse(rig.blueprint, rig.name).expect("a rig");
+    let checked = blueprint.check(learned::COMPONENTS).expect("a rig");
+    let mut system = System::new(checked.spec()).expect("a model");
+    let sources = source::package::files(checked.spec(), &system, false).expect("sources");
+    let flags = ["-static", "-nostdlib", "-nostartfiles", "-fno-stack-protector", "-lgcc"];
+    let Some(program) = compile(folder.path(), sources, "bare.c", &flags) else { return };
+    let port = |system: &System, name: &str| {
+        let found = system.variables().as_slice().iter().position(|v| v.name == name);
+        u32::try_from(found.expect("a variable")).expect("a reference")
+    };
+    let [commands, positions] = ["command", "position"]
+        .map(|name| [1, 2].map(|axis| port(&system, &format!("{name}[{axis}]"))));
+    system.initialise(0.0).expect("valid");
+    let mut values = Vec::new();
+    for k in 0..2000 {
+        let u = [f64::from(40 + k % 97), f64::from(90 - k % 41)];
+        for (reference, value) in commands.into_iter().zip(u) {
+            system.set(reference, value).expect("in range");
+        }
+        system.advance(f64::from(k) * 2e-5 + 2e-5).expect("finite");
+        values.extend(positions.map(|reference| system.get(reference).expect("in the table")));
+    }
+    let message = run(&program, &runner(), &[]);
+    assert_eq!(message.trim_end(), format!("{:016x}", hash(&values)));
+    println!("bare evc: the same bits");
 }
 
 #[test]
@@ -221,7 +273,8 @@ fn every_component_and_machine_gives_the_bits_of_the_native_code() {
     let steps =
         std::env::var("PIEZOLOOP_STEPS").map_or(2000, |text| text.parse().expect("a number"));
     let folder = tempfile::tempdir().expect("a folder");
-    let Some(program) = compile(folder.path()) else { return };
+    let core = source::package::core().expect("whole");
+    let Some(program) = compile(folder.path(), core, "bits.c", &[]) else { return };
     let cases = cases();
     let mut file = Vec::new();
     file.extend((cases.len() as u32).to_le_bytes());
@@ -238,8 +291,7 @@ fn every_component_and_machine_gives_the_bits_of_the_native_code() {
     }
     let path = folder.path().join("cases");
     std::fs::write(&path, &file).expect("a file");
-    let runner = std::env::var("PIEZOLOOP_RUN").unwrap_or_default();
-    let runner: Vec<String> = runner.split_whitespace().map(str::to_owned).collect();
+    let runner = runner();
     let message = run(&program, &runner, &[&path]);
     let mut wrong = String::new();
     let lines: Vec<&str> = message.lines().collect();

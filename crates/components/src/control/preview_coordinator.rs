@@ -179,9 +179,9 @@ impl Component for PreviewCoordinator {
         if n == 0 || !motions(coefficients, inputs, outputs) {
             return;
         }
-        let cells = ring.len() / n;
-        // The newest motion stands where the ring begins, older ones behind it.
-        let now = if *begin >= 1.0 { *begin as usize - 1 } else { cells.saturating_sub(1) };
+        let last = (ring.len() / n).saturating_sub(1);
+        // The newest motion stands where the ring begins, older ones behind it. A restored state may hold any number.
+        let now = if *begin >= 1.0 { (*begin as usize - 1).min(last) } else { last };
         *begin = now as f64;
         if let Some(cell) = ring.get_mut(now * n..(now + 1) * n) {
             cell.copy_from_slice(&outputs[..n]);
@@ -266,6 +266,23 @@ mod tests {
                 assert!((out[2 + row] - motion(k - 3)[row]).abs() < 1e-12, "{k}: {out:?}");
             }
             assert!((out[4] - 0.25).abs() < 1e-15 && (out[5] + 0.5).abs() < 1e-15, "{out:?}");
+        }
+    }
+
+    #[test]
+    fn a_restored_state_without_a_place_in_the_ring_finds_one() {
+        let structure = [2.0, 4.0, 8.0, T, 0.0];
+        let values = [&[1.0, 0.0, 0.0, 1.0, 0.0, 0.0][..], &[1.0; 8]].concat();
+        let sizes = PreviewCoordinator.sizes(&structure, T);
+        let mut coefficients = vec![0.0; sizes.coefficients];
+        PreviewCoordinator.prepare(&structure, &values, T, &mut coefficients).expect("fits");
+        let tick = Tick { index: 1, time: T, period: T };
+        for begin in [f64::MAX, 1e18, 3.0, 0.5, -1.0, f64::NAN] {
+            let mut state = vec![0.0; sizes.states];
+            state[0] = begin;
+            let mut out = [0.0; 6];
+            PreviewCoordinator.step(&coefficients, &mut state, tick, &[0.5; 4], &mut out);
+            assert_eq!(state, [1.0, 0.0, 0.0, 0.5, 0.5], "{begin}");
         }
     }
 
