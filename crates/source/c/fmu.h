@@ -373,8 +373,8 @@ typedef u32 Values2(w2c_core*, u32, u32, u32, u32);
 typedef u32 Values3(w2c_core*, u32, u32, u32, u32, u32);
 
 /* A call with references and values, in or out; `one` calls what the version of the standard has. */
-static int values(Instance* s, Values2* two, Values3* three, const uint32_t* references, size_t count, const void* in,
-                  void* out, size_t number, size_t size) {
+static int values(Instance* s, Values2* two, Values3* three, const void* references, size_t count, const void* in, void* out,
+                  size_t number, size_t size) {
   uint32_t place = room_for(s, (uint32_t)(4 * count + number * size + 16));
   uint32_t r = put(s, &place, references, 4 * count);
   uint32_t v = in ? put(s, &place, in, number * size) : leave(&place, out, number * size);

@@ -209,6 +209,8 @@ fn compile<N: AsRef<Path>>(
     let program = folder.join("program");
     let output = Command::new(compiler)
         .args(words)
+        // On bare metal `uint32_t` is another type than `unsigned int`, and newer compilers refuse to mix them.
+        .arg("-Werror=incompatible-pointer-types")
         .arg("-I")
         .arg(folder)
         .arg("-I")

@@ -19,7 +19,8 @@ static char model_token[40];
 #include <time.h>
 
 typedef struct {
-  uint32_t reference, type;
+  fmi2ValueReference reference;
+  uint32_t type;
   double low, high;
 } Port;
 static Port inputs[64], outputs[256];
