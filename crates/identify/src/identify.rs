@@ -190,11 +190,12 @@ impl<'a> Session<'a> {
         candidates: &mut Vec<Candidate>,
     ) -> Result<(), Error> {
         let (without, first) = (best.held_out_rmse, best.linear);
-        let mut with_mode = first;
+        let mut found = Vec::new();
         for (lag, mode) in [(true, false), (false, true), (true, true)] {
             let structure = Structure { lag, mode };
-            let known = if lag && mode { with_mode } else { first };
-            let tried = match self.linear_part(method, structure, &known) {
+            // A mode alone imitates a lag below it, and no way leads from there to both; the lag alone lies nearer.
+            let known = if lag && mode && !found.is_empty() { &found[..] } else { &[first] };
+            let tried = match self.linear_part(method, structure, known) {
                 Ok(tried) => tried,
                 // A structure that the data do not support is no reason to return nothing.
                 Err(error @ Error::NoSolution { .. }) => {
@@ -204,9 +205,7 @@ impl<'a> Session<'a> {
                 }
                 Err(error) => return Err(error),
             };
-            if mode {
-                with_mode = tried.linear;
-            }
+            found.push(tried.linear);
             let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
             let needed = 100.0 * SIGNIFICANT_FALL;
             let against =
@@ -223,24 +222,37 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
+    /// The best fit of a structure from these simpler ones on.
     fn linear_part(
         &mut self,
         method: &'static dyn Method,
         structure: Structure,
-        known: &LinearPart,
+        known: &[LinearPart],
     ) -> Result<Tried, Error> {
-        let mut operator = self.operator(method);
         let stage = match (structure.lag, structure.mode) {
             (true, true) => "amplifier lag and mode",
             (_, true) => "mode",
             (_, false) => "amplifier lag",
         };
-        let mut report = |done, total| self.observer.progress(stage, done, total);
         let longest = self.plan.longest_delay;
-        let fit = linear_part::fit(&mut operator, structure, longest, known, &mut report)?;
-        if self.observer.stopped() {
-            return Err(Error::Stopped);
+        let mut best: Result<(Operator<'_>, Fit), Error> =
+            Err(Error::no_solution("there is nothing to start from"));
+        for known in known {
+            let mut operator = self.operator(method);
+            let mut report = |done, total| self.observer.progress(stage, done, total);
+            let fit = linear_part::fit(&mut operator, structure, longest, known, &mut report);
+            if self.observer.stopped() {
+                return Err(Error::Stopped);
+            }
+            match (fit, &best) {
+                (Ok(fit), Ok((_, least))) if fit.solved.cost() >= least.solved.cost() => {}
+                (Ok(fit), _) => best = Ok((operator, fit)),
+                (Err(error @ Error::NoSolution { .. }), Err(_)) => best = Err(error),
+                (Err(Error::NoSolution { .. }), Ok(_)) => {}
+                (Err(error), _) => return Err(error),
+            }
         }
+        let (operator, fit) = best?;
         self.fitted(&operator, &fit)
     }
 

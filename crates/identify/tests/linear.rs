@@ -17,15 +17,24 @@ use numerics::random::SplitMix64;
 
 /// A record of `rows` rows, `period` s apart, of a machine with these components under two sines.
 fn record(components: &[ComponentBlueprint], (rows, period): (usize, f64), noise: f64) -> Record {
+    let turns = |k: usize, turns: f64| (TAU * turns * k as f64 / rows as f64).sin();
+    let input = (0..rows).map(|k| 50.0 + 25.0 * turns(k, 6.0) + 15.0 * turns(k, 43.0)).collect();
+    record_under(components, input, period, noise)
+}
+
+/// As `record`, under this command.
+fn record_under(
+    components: &[ComponentBlueprint],
+    input: Vec<f64>,
+    period: f64,
+    noise: f64,
+) -> Record {
+    let rows = input.len();
     let mut axis = AxisBlueprint::new("Y", "V", "um");
     axis.components = components.to_vec();
     let truth = Blueprint::new(Kind::Plant, "truth", 0.05 * period).axis(axis);
     let truth = truth.check(COMPONENTS).unwrap_or_else(|e| panic!("{e}"));
-    let length = rows as f64 * period;
-    let sine = |turns: f64, t: f64| (TAU * turns * t / length).sin();
     let time: Vec<f64> = (0..rows).map(|k| k as f64 * period).collect();
-    let input: Vec<f64> =
-        time.iter().map(|t| 50.0 + 25.0 * sine(6.0, *t) + 15.0 * sine(43.0, *t)).collect();
     let of = |output: &[f64]| {
         let columns = Columns {
             name: "simulated",
@@ -96,6 +105,33 @@ fn hysteresis_is_not_taken_for_a_lag_and_linear_is_had_by_name() {
         let methods = Methods::Named(names.map(str::to_owned).to_vec());
         assert_eq!(found(&log, methods, 8).method, "prandtl-ishlinskii", "{names:?}");
     }
+}
+
+/// A broad mode imitates the lag, and the sharp one above it is not seen from there.
+#[test]
+fn a_mode_above_the_lag_in_front_of_it_is_found() {
+    let machine = [
+        component("amplifier-lag", &[("bandwidth", 40.0)]),
+        component("actuator-gain", &[("gain", 0.12), ("offset", 0.0)]),
+        component("mode", &[("frequency", 180.0), ("damping", 0.03)]),
+    ];
+    let mut random = SplitMix64::new(11);
+    let lines: Vec<(f64, f64)> =
+        (1..240).map(|line| (f64::from(line), TAU * random.uniform())).collect();
+    let (rows, period) = (3000, 5e-4);
+    let part = |k: usize, (line, phase): &(f64, f64)| {
+        (TAU * line * k as f64 / rows as f64 + phase).sin() / line.sqrt()
+    };
+    let input = (0..rows).map(|k| 50.0 + 9.0 * lines.iter().map(|l| part(k, l)).sum::<f64>());
+    let record = record_under(&machine, input.collect(), period, 0.004);
+    let linear = found(&[record], named("linear"), 8);
+    let value = |name: &str| {
+        let found = linear.parameters.iter().find(|p| p.name == name);
+        found.unwrap_or_else(|| panic!("{name}: {:?}", linear.candidates)).value
+    };
+    assert!((value("amplifier.bandwidth") / 40.0 - 1.0).abs() < 0.02, "{:?}", linear.parameters);
+    assert!((value("mode.frequency") / 180.0 - 1.0).abs() < 0.01, "{:?}", linear.parameters);
+    assert!((value("mode.damping") / 0.03 - 1.0).abs() < 0.1, "{:?}", linear.parameters);
 }
 
 #[test]

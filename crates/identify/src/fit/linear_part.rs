@@ -142,7 +142,8 @@ fn candidates(structure: Structure, grid: &[f64], known: &LinearPart) -> Vec<Lin
         } else {
             for damping in SCAN_DAMPING {
                 let mode = Some(ModeShape { frequency, damping });
-                let bandwidth = structure.lag.then_some(grid[grid.len() - 1]);
+                let bandwidth =
+                    structure.lag.then(|| known.bandwidth.unwrap_or(grid[grid.len() - 1]));
                 all.push(LinearPart { delay: known.delay, bandwidth, mode });
                 all.push(LinearPart { delay: 0.0, bandwidth, mode });
             }
