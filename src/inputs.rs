@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use data::{Blueprint, Log, NameMap, ReadOptions, Resample};
+use diagnose::{Between, Reading};
 
 use crate::ranges;
 
@@ -35,6 +36,34 @@ pub(crate) struct LogOptions {
     /// fastest group
     #[arg(long, value_name = "HZ", num_args = 0..=1, require_equals = true, default_missing_value = "fastest", value_parser = resample)]
     pub(crate) resample: Option<Resample>,
+}
+
+/// How the rows of a log are read, for a command that is not to find it out.
+#[derive(Args, Debug, Clone, Default)]
+pub(crate) struct Readings {
+    /// Command between two rows of the logs: zoh (held), line, band-limited [default: held]
+    #[arg(long, value_name = "BETWEEN", value_parser = ["zoh", "line", "band-limited"])]
+    between: Option<String>,
+    /// Instant of a row's reading: before its command acts, with it, or after it has acted [default: before a held
+    /// command, with one that moves]
+    #[arg(long, value_name = "READING", value_parser = ["before", "with", "after"])]
+    reading: Option<String>,
+}
+
+impl Readings {
+    pub(crate) fn new(between: Between, reading: Reading) -> Self {
+        Self { between: Some(between.name().into()), reading: Some(reading.name().into()) }
+    }
+
+    /// The log with held commands in these columns, to which a machine answers as to the commands it had.
+    pub(crate) fn held<'a>(&self, mut log: Log, commands: impl Iterator<Item = &'a str>) -> Log {
+        let between = self.between.as_deref().and_then(Between::find).unwrap_or_default();
+        let reading = self.reading.as_deref().and_then(Reading::find);
+        for command in commands {
+            log.replace(command, |time, values| between.as_held(reading, time, values));
+        }
+        log
+    }
 }
 
 /// Refuses a log that is both fitted and judged, under whatever name.

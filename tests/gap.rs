@@ -312,13 +312,19 @@ fn a_frequency_response_stands_for_the_model() {
     assert!(message.contains("--frequency-response"), "{message}");
 }
 
-/// A line behind plays and a lag: the linear model that is made of the log is shown, tolerances and all, and what it lacks
-/// is found.
+/// Plays whose rows are read after their command: this is found with the linear model that is made of the log. The model is
+/// shown, tolerances and all, and what it lacks is found.
 #[test]
 fn a_log_alone_is_diagnosed_against_a_linear_model_of_its_own() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
-    fs::write(at.join("a.csv"), log_of_plays(0.0)).expect("a log");
+    // Each reading a row earlier.
+    let log = log_of_plays(0.0);
+    let rows: Vec<&str> = log.lines().collect();
+    let parts = |row: &str| row.rsplit_once(',').map(|(a, b)| (a.to_owned(), b.to_owned()));
+    let later = rows[1..].windows(2).map(|two| parts(two[0]).zip(parts(two[1])).expect("two rows"));
+    let later: Vec<String> = later.map(|(a, b)| format!("{},{}", a.0, b.1)).collect();
+    fs::write(at.join("a.csv"), format!("{}\n{}\n", rows[0], later.join("\n"))).expect("a log");
     let columns = ["diagnose", "--log", "a.csv", "--input", "drive", "--output", "reading"];
     let files = ["--baseline", "linear.toml", "--repair", "repaired.toml", "--json", "gap.json"];
     let messages = succeed(&[&columns[..], &files[..]].concat(), at);
@@ -339,14 +345,17 @@ fn a_log_alone_is_diagnosed_against_a_linear_model_of_its_own() {
     // What was made is a model as any other, and so is what is handed back.
     let model = fs::read_to_string(at.join("linear.toml")).expect("the linear model");
     assert!(model.contains("tolerance") && !model.contains("prandtl"), "{model}");
-    let simulate = |model: &str| {
+    assert!(messages.contains("each reading after its command has acted"), "{messages}");
+    assert_eq!(gap["outputs"][0]["reading"], "after");
+    let simulate = |model: &str, reading: &str| {
         let further =
             ["--log", "a.csv", "--map", "command[1]=drive", "--map", "position[1]=reading"];
-        common::json(&[&["simulate", model][..], &further[..]].concat(), at)["fits"][0]["rmse"]
-            .as_f64()
-            .expect("a figure")
+        let call = [&["simulate", model, "--reading", reading][..], &further[..]].concat();
+        common::json(&call, at)["fits"][0]["rmse"].as_f64().expect("a figure")
     };
-    assert!(simulate("repaired.toml") < 0.3 * simulate("linear.toml"));
+    let repaired = simulate("repaired.toml", "after");
+    assert!(repaired < 0.1 * simulate("linear.toml", "after"), "{repaired}");
+    assert!(repaired < 0.3 * simulate("repaired.toml", "before"), "{repaired}");
     let message = refuse(&["diagnose", "--log", "a.csv"], at);
     assert!(message.contains("--model"), "{message}");
     let message = refuse(&["diagnose", "--log", "a.csv", "--input", "drive"], at);

@@ -301,6 +301,12 @@ impl Diagnose {
         model.into_iter().chain(response).chain(&self.logs).chain(&self.holdout).chain(&self.rest)
     }
 
+    /// What is said of the commands between the rows, and of the instants of the readings.
+    fn readings(&self) -> (Option<diagnose::Between>, Option<diagnose::Reading>) {
+        let between = self.between.as_deref().and_then(diagnose::Between::find);
+        (between, self.reading.as_deref().and_then(diagnose::Reading::find))
+    }
+
     fn request(&self, source: &Source) -> anyhow::Result<Request> {
         let logs = |paths: &[PathBuf]| {
             paths.iter().map(|p| self.options.read(p)).collect::<anyhow::Result<Vec<_>>>()
@@ -315,11 +321,11 @@ impl Diagnose {
         let mut request = Request::new(model, logs(&self.logs)?);
         request.holdout = logs(&self.holdout)?;
         request.drop = self.drop;
-        request.between = self.between.as_deref().and_then(diagnose::Between::find);
-        request.reading = self.reading.as_deref().and_then(diagnose::Reading::find);
+        (request.between, request.reading) = self.readings();
         request.accuracy = self.accuracy;
         request.names = self.options.names()?;
         if let Source::Generated(identified) = source {
+            request.first = identified.readings;
             request.drop = Some(identified.run_in).filter(|drop| *drop > 0.0).or(self.drop);
             // Those of --input and --output are in the map of the model that was made.
             let is_own = |pair: &&String| {

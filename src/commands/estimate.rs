@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use super::simulate::{self, OutputFit};
 use crate::fmus::{self, Addresses, Isolation};
-use crate::inputs::{self, LogOptions};
+use crate::inputs::{self, LogOptions, Readings};
 use crate::messages::{FmuMessage, MessageOptions};
 use crate::pages;
 use crate::window::Window;
@@ -65,6 +65,8 @@ pub(crate) struct Estimate {
     starts: u64,
     #[command(flatten)]
     options: LogOptions,
+    #[command(flatten)]
+    readings: Readings,
     #[command(flatten)]
     window: Window,
     #[command(flatten)]
@@ -168,7 +170,14 @@ impl Estimate {
             bail!("`{}` is both a parameter of --tune and a value of --initial", twice.name);
         }
         let mut notes = Vec::new();
-        let logs = self.log.iter().chain(&self.held_out).map(|file| self.options.read(file));
+        let inputs = fmu.names(Causality::Input);
+        let read = |file: &PathBuf| {
+            let log = self.options.read(file)?;
+            let map = addresses.columns(&self.options.names()?, &log)?;
+            let driven = map.iter().filter(|(variable, _)| inputs.contains(variable));
+            Ok(self.readings.held(log, driven.map(|(_, column)| column.as_str())))
+        };
+        let logs = self.log.iter().chain(&self.held_out).map(read);
         let logs: Vec<Log> = logs.collect::<anyhow::Result<_>>()?;
         // Its file may not be one of what was read.
         let ear = self.messages.ear()?;

@@ -17,7 +17,7 @@ use identify::frequency::{
 use serde::Serialize;
 
 use self::plant::Plant;
-use crate::inputs::{self, LogOptions};
+use crate::inputs::{self, LogOptions, Readings};
 use crate::pages;
 use crate::ranges;
 
@@ -69,6 +69,8 @@ pub(crate) struct FrequencyResponse {
     longest_delay: f64,
     #[command(flatten)]
     options: LogOptions,
+    #[command(flatten)]
+    readings: Readings,
     /// Also write the response to this CSV file, one row per line
     #[arg(short = 'o', long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
@@ -291,7 +293,9 @@ impl FrequencyResponse {
         let mut experiments = Vec::new();
         let mut grid: Option<(f64, String)> = None;
         for path in &self.logs {
-            let log = self.options.read(path)?;
+            let commands =
+                signals.iter().take(self.inputs.len()).map(|signal| signal.name.as_str());
+            let log = self.readings.held(self.options.read(path)?, commands);
             let columns = signals
                 .iter_mut()
                 .map(|signal| inputs::column(&log, &signal.name, &mut signal.unit))

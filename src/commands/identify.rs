@@ -10,6 +10,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use cli::{PageOptions, Screen};
 use data::CheckedBlueprint;
+use diagnose::{Between, Reading};
 use identify::learned::{Seek, Selection};
 use identify::{
     Dynamics, FeatureChoice, Identification, Learning, Methods, Observer, Record, Search, Settings,
@@ -19,7 +20,7 @@ use serde::Serialize;
 
 use self::axes::{axis, join, unit};
 pub(crate) use self::axes::{identifier, short_name, usual_unit};
-use crate::inputs::{self, LogOptions};
+use crate::inputs::{self, LogOptions, Readings};
 use crate::pages;
 use crate::{progress, ranges};
 
@@ -99,6 +100,8 @@ pub(crate) struct Identify {
     name: Option<String>,
     #[command(flatten)]
     options: LogOptions,
+    #[command(flatten)]
+    readings: Readings,
     /// The blueprint to write
     #[arg(short = 'o', long = "out", value_name = "FILE", default_value = "plant.toml")]
     out: PathBuf,
@@ -206,6 +209,7 @@ impl Identify {
         (inputs, outputs): (&[String], &[String]),
         options: &LogOptions,
         (drop, hold_out): (Option<f64>, f64),
+        (between, reading): (Between, Reading),
     ) -> Self {
         Self {
             logs: logs.to_vec(),
@@ -225,6 +229,7 @@ impl Identify {
             deviation: false,
             drop,
             hold_out,
+            readings: Readings::new(between, reading),
             is_static: false,
             name: Some("linear".to_owned()),
             options: options.clone(),
@@ -292,9 +297,12 @@ impl Identify {
     }
 
     fn work(&self, screen: &Screen) -> anyhow::Result<(CheckedBlueprint, Identified)> {
-        let logs = self.logs.iter().map(|path| self.options.read(path));
-        let logs = logs.collect::<anyhow::Result<Vec<_>>>()?;
         let names = self.options.names()?;
+        let read = |path: &PathBuf| {
+            let commands = self.inputs.iter().map(|input| names.column(input).unwrap_or(input));
+            Ok(self.readings.held(self.options.read(path)?, commands))
+        };
+        let logs = self.logs.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
         let mut notes = Vec::new();
         for (k, log) in
             self.logs.iter().enumerate().filter(|(k, log)| self.logs[..*k].contains(log))

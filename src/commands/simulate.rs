@@ -10,10 +10,11 @@ use cosim::{Coupling, Drive, Driven, Ending, Fmu, Loop, LoopSettings, Memory, Po
 use cosim::{Signal, Signals, Slave, Value, Wiring};
 use data::Log;
 use modeldescription::description::Unit;
+use modeldescription::variable::Causality;
 use serde::Serialize;
 
 use crate::fmus::{self, Addresses, Isolation};
-use crate::inputs::{self, LogOptions};
+use crate::inputs::{self, LogOptions, Readings};
 use crate::messages::{FmuMessage, MessageOptions};
 use crate::pages;
 use crate::times::RunTimes;
@@ -68,6 +69,8 @@ pub(crate) struct Simulate {
     starts: Vec<String>,
     #[command(flatten)]
     options: LogOptions,
+    #[command(flatten)]
+    readings: Readings,
     #[command(flatten)]
     window: Window,
     #[command(flatten)]
@@ -192,6 +195,9 @@ impl Simulate {
         addresses.check(&names)?;
         let map = addresses.columns(&names, &log)?;
         let matched = Matched::of(&opened.fmu, &addresses, &names, &map, &log)?;
+        let inputs = opened.fmu.names(Causality::Input);
+        let driven = map.iter().filter(|(variable, _)| inputs.contains(variable));
+        let log = self.readings.held(log, driven.map(|(_, column)| column.as_str()));
         let records = signals(&log);
         let drive = Drive {
             map,

@@ -23,6 +23,7 @@ use numerics::Complex;
 use numerics::fft::Fft;
 use serde::{Deserialize, Serialize};
 
+use crate::request::Request;
 use crate::thresholds::base::Thresholds;
 
 /// What the command does between two rows of a log.
@@ -68,8 +69,16 @@ impl Between {
         Self::ALL.into_iter().find(|between| between.name() == name)
     }
 
+    /// The held command, one value per row, to which a machine with these readings (none: the usual ones) answers as to the one
+    /// of the log; times in s. Where they are not uniform it is the log's, except that of readings after their command.
+    #[must_use]
+    pub fn as_held(self, reading: Option<Reading>, time: &[f64], command: &[f64]) -> Vec<f64> {
+        Course::given(Some(self), reading).held(time, command, 1)
+    }
+
     /// When readings are taken, where nobody says: of a held command before it acts, of one that moves with it.
-    fn usual_reading(self) -> Reading {
+    #[must_use]
+    pub fn usual_reading(self) -> Reading {
         if self == Self::Zoh { Reading::Before } else { Reading::With }
     }
 
@@ -171,14 +180,24 @@ impl Course {
         Self { between, reading, is_stepped: false }
     }
 
-    /// What else a log may be read as that says no more than this, by a model with several `steps` from row to row or
-    /// one.
+    /// How the logs of a question are read first.
+    pub(crate) fn first(request: &Request) -> Self {
+        match (request.between, request.reading) {
+            (None, None) => {
+                let (between, reading) = request.first;
+                Self { between, reading, is_stepped: false }
+            }
+            (between, reading) => Self::given(between, reading),
+        }
+    }
+
+    /// What else than `first` a log may be read as where so much is said, by a model with several `steps` from row to row
+    /// or one.
     pub(crate) fn open(
-        between: Option<Between>,
-        reading: Option<Reading>,
+        first: Self,
+        (between, reading): (Option<Between>, Option<Reading>),
         steps: bool,
     ) -> Vec<Self> {
-        let given = Self::given(between, reading);
         let betweens = Between::ALL.into_iter().filter(|b| between.is_none_or(|own| own == *b));
         betweens
             .flat_map(|between| {
@@ -192,7 +211,7 @@ impl Course {
                 };
                 readings.into_iter().flat_map(of)
             })
-            .filter(|course| *course != given)
+            .filter(|course| *course != first)
             .collect()
     }
 
@@ -344,11 +363,17 @@ mod tests {
     #[test]
     fn what_is_said_is_not_open() {
         assert_eq!(Course::given(Some(Between::Line), None).reading, Reading::With);
-        let open = Course::open(None, None, false);
+        let (held, nothing) = (Course::default(), (None, None));
+        let open = Course::open(held, nothing, false);
         assert_eq!(open.len(), 5);
-        assert_eq!(Course::open(None, None, true).len(), 9);
-        assert!(!open.contains(&Course::default()));
-        let of = |between, reading| Course::open(between, reading, false);
+        assert_eq!(Course::open(held, nothing, true).len(), 9);
+        assert!(!open.contains(&held));
+        let after = Course::given(None, Some(Reading::After));
+        let others = Course::open(after, nothing, false);
+        assert!(others.contains(&held) && !others.contains(&after));
+        let of = |between, reading| {
+            Course::open(Course::given(between, reading), (between, reading), false)
+        };
         assert!(of(Some(Between::Zoh), Some(Reading::After)).is_empty());
         assert!(of(Some(Between::Line), None).iter().all(|c| c.between == Between::Line));
         assert!(of(None, Some(Reading::With)).iter().all(|c| c.reading == Reading::With));

@@ -24,7 +24,8 @@ use crate::thresholds::base::Thresholds;
 /// and the one is taken that leaves less with fewer effects. Other effects look like that, too (a lag of the model that
 /// acts faster, a crosstalk): another reading is taken if it leaves about as much with fewer effects.
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
-    let open = Course::open(request.between, request.reading, task.data.has_steps());
+    let said = (request.between, request.reading);
+    let open = Course::open(task.course, said, task.data.has_steps());
     if !task.base.is_white {
         return outcome::of(task, request, count);
     }
@@ -143,24 +144,44 @@ impl Readings<'_> {
     /// The reading to which what was found points; where nothing is explained, those under which the command moves, too: it
     /// and a missing lag hide each other.
     fn best(&self, outcome: Outcome, open: &[Course]) -> Outcome {
-        let tried = promising(&outcome, open, self.count);
-        let pointed = tried.first().filter(|(_, part)| *part < most(&outcome)).map(|t| t.0);
         let is_open = outcome.verdict == Verdict::Unknown;
-        let others = tried.iter().map(|t| t.0);
-        let others = others.filter(|c| is_open && moves(*c) && Some(*c) != pointed).take(2);
+        let usual = outcome.task.course;
+        let (mut outcome, mut tried) = self.pointed(outcome, open);
+        let course = outcome.task.course;
+        // Readings are half a row apart: of two wrong ones the nearer is taken first, and what is found with it points on.
+        if outcome.verdict == Verdict::Unknown && course != usual {
+            let rest: Vec<Course> = open.iter().copied().filter(|c| *c != course).collect();
+            (outcome, tried) = self.pointed(outcome, &rest);
+        }
+        if !is_open || !has_gap(&outcome.found.last, outcome.adequate) {
+            return outcome;
+        }
+        let others = tried.into_iter().filter(|c| moves(*c) && *c != course).take(2);
         // One effect and the command explain all, or the reading is not taken: pairs take ten times as long.
         let others = others.map(|course| (course, self.fresh.max_effects.min(1)));
-        let all = pointed.map(|course| (course, self.fresh.max_effects)).into_iter().chain(others);
-        self.taken(outcome, all, |other, outcome| {
+        self.taken(outcome, others, |other, outcome| {
             let leaves_less = other.left() < Thresholds::READING_LESS * outcome.left();
             // Where nothing pointed to it, it must leave nothing, and much less than the best single effect of the usual
             // reading, which a delay of half a row may imitate: else it helps wrong names.
-            if outcome.verdict == Verdict::Unknown && Some(other.task.course) != pointed {
+            if outcome.verdict == Verdict::Unknown {
                 let leaves_nothing = !has_gap(&other.found.last, other.adequate);
                 return is_explained(other) && leaves_nothing && leaves_less;
             }
             leaves_less || stands_for_effects(other, outcome)
         })
+    }
+
+    /// The answer, or that with the reading to which it points; and the readings to which it does not, the likeliest first.
+    fn pointed(&self, outcome: Outcome, open: &[Course]) -> (Outcome, Vec<Course>) {
+        let tried = promising(&outcome, open, self.count);
+        let pointed = tried.first().filter(|(_, part)| *part < most(&outcome)).map(|t| t.0);
+        let others = tried.into_iter().map(|t| t.0).filter(|c| Some(*c) != pointed).collect();
+        let with_all = pointed.map(|course| (course, self.fresh.max_effects));
+        let outcome = self.taken(outcome, with_all, |other, outcome| {
+            let leaves_less = other.left() < Thresholds::READING_LESS * outcome.left();
+            leaves_less || stands_for_effects(other, outcome)
+        });
+        (outcome, others)
     }
 
     /// Whether a command that moves is held over each step of the model is half a step: a lag beside what is missing.

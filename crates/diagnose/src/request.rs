@@ -64,6 +64,8 @@ pub struct Request {
     /// When the readings of rows are taken; none: before a held command acts, at the instant of one that moves,
     /// unless the logs of a white box say otherwise.
     pub reading: Option<Reading>,
+    /// How the logs are read first where both are none: as the model was identified from them.
+    pub first: (Between, Reading),
     /// What is good enough, as a root mean square over the range of the output; 0: the noise.
     pub accuracy: f64,
     /// Which variable of the model reads which column.
@@ -100,6 +102,7 @@ impl Request {
             drop: None,
             between: None,
             reading: None,
+            first: (Between::Zoh, Reading::Before),
             accuracy: 0.0,
             names: NameMap::default(),
             outputs: Vec::new(),

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use cli::Screen;
-use data::{Blueprint, ComponentBlueprint, Log, SampleTime};
-use diagnose::{Baseline, Estimate};
+use data::{Blueprint, CheckedBlueprint, ComponentBlueprint, Log, SampleTime};
+use diagnose::{Baseline, Between, Estimate, Reading};
 use identify::Candidate;
 use identify::frequency::{self, FrequencyResponse as Response, PlantNames, RationalSettings};
 use model::{Component, Conversion, NodeSpec, unit_on_axis};
@@ -29,6 +29,11 @@ const WITH_PLAYS: f64 = 0.9;
 /// Part of the mean square that parts in a row leave of a response that modes side by side must leave at most, to be taken:
 /// many modes follow the scatter of a nonlinear machine, too.
 const SIDE_BY_SIDE: f64 = 0.25;
+/// Part of the mean square that a linear model leaves with the usual readings that it must leave at most with others, for these
+/// to be taken; and by how many times as much a command straight between the rows may leave as one that acts at once, of
+/// which a delay makes the same.
+const READINGS_LESS: f64 = 0.7;
+const STRAIGHT: f64 = 1.1;
 /// Standard errors of which a tolerance consists, and by which a delay must be seen.
 const ERRORS: f64 = 1.0;
 const SEEN: f64 = 2.0;
@@ -45,6 +50,8 @@ pub(super) struct Generated {
     pub(super) notes: Vec<String>,
     /// Run-in that the first rows ask for, in s.
     pub(super) run_in: f64,
+    /// How the logs were read.
+    pub(super) readings: (Between, Reading),
     /// Which column belongs to which variable.
     pub(super) map: Vec<String>,
 }
@@ -56,6 +63,8 @@ pub(super) struct Asked<'a> {
     pub(super) outputs: &'a [String],
     pub(super) options: &'a LogOptions,
     pub(super) drop: Option<f64>,
+    /// What is said of the commands between the rows, and of the instants of the readings.
+    pub(super) readings: (Option<Between>, Option<Reading>),
     /// The table of a frequency response, with the most modes that are fitted to it.
     pub(super) response: Option<(&'a Path, usize)>,
 }
@@ -131,7 +140,8 @@ fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<G
     let baselines = in_numbers(&blueprint, &outputs)?;
     let map = columns_of(asked, &column);
     let text = BlueprintText { text: blueprint.to_toml(), blueprint };
-    Ok(Generated { text, baselines, notes, run_in: 0.0, map })
+    let readings = given(asked.readings);
+    Ok(Generated { text, baselines, notes, run_in: 0.0, readings, map })
 }
 
 /// The plant of a response: modes side by side where they need fewer numbers for what they leave, and leave much less, else
@@ -221,21 +231,61 @@ fn fitted_to(
     }
 }
 
-/// The linear model identified from the logs.
+/// A plant that was identified, and what was found out.
+type Found = (CheckedBlueprint, Identified);
+
+/// As said, and as usual where nothing is.
+fn given((between, reading): (Option<Between>, Option<Reading>)) -> (Between, Reading) {
+    let between = between.unwrap_or_default();
+    (between, reading.unwrap_or(between.usual_reading()))
+}
+
+/// The linear model identified from the logs: where nobody says how to read them, with the readings that leave least.
 fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Generated> {
-    let of = |model: &str| {
+    let of = |model: &str, readings: (Between, Reading), screen: &Screen| {
         let columns = (asked.inputs, asked.outputs);
-        let held_out = HELD_OUT;
-        Identify::one_model(model, asked.logs, columns, asked.options, (asked.drop, held_out))
+        let parts = (asked.drop, HELD_OUT);
+        Identify::one_model(model, asked.logs, columns, asked.options, parts, readings)
             .plant(screen)
     };
-    let linear = of("linear").context(
+    let (of, usual) = (&of, given(asked.readings));
+    let others: &[(Between, Reading)] = match asked.readings {
+        (None, None) => &[(Between::Zoh, Reading::After), (Between::Line, Reading::With)],
+        _ => &[],
+    };
+    let quiet = Screen { quiet: true, ..*screen };
+    let (linear, other, with_plays) = std::thread::scope(|scope| {
+        let aside = |model, readings| scope.spawn(move || of(model, readings, &quiet));
+        let other: Vec<_> = others.iter().map(|r| (*r, aside("linear", *r))).collect();
+        let with_plays = aside("prandtl-ishlinskii", usual);
+        let linear = of("linear", usual, screen);
+        let other = other.into_iter().filter_map(|(r, found)| Some((r, found.join().ok()?.ok()?)));
+        // Logs that suit no plays have none.
+        (linear, other.collect::<Vec<_>>(), with_plays.join().ok().and_then(Result::ok))
+    });
+    let usual_one = linear.context(
         "without --model a linear one is identified from the logs first, and that failed",
     )?;
-    // Logs that suit no plays have none.
-    let with_plays = of("prandtl-ishlinskii").ok();
+    let mut notes = Vec::new();
+    let (readings, linear, with_plays) = match less(&usual_one.1, other) {
+        None => (usual, usual_one, with_plays),
+        Some((readings, found, times)) => {
+            let words = |(between, reading): (Between, Reading)| {
+                format!("the command {}, each reading {}", between.words(), reading.words())
+            };
+            notes.push(format!(
+                "the logs are read with {}: with {} a linear model or one with plays would leave {times:.1} times as much \
+                 (--between {} --reading {} says otherwise)",
+                words(readings),
+                words(usual),
+                usual.0.name(),
+                usual.1.name()
+            ));
+            (readings, found, of("prandtl-ishlinskii", readings, &quiet).ok())
+        }
+    };
     let mut blueprint = linear.0.blueprint().clone();
-    let mut notes = linear.1.notes.clone();
+    notes.splice(0..0, linear.1.notes.iter().cloned());
     for (k, axis) in linear.1.axes.iter().enumerate() {
         let beside = with_plays.as_ref().and_then(|(plant, with)| {
             let found = with.axes.get(k)?;
@@ -261,7 +311,34 @@ fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Generated> {
     let map = columns_of(asked, &|name: &String| names.column(name).unwrap_or(name).to_owned());
     let run_in = linear.1.run_in;
     let text = BlueprintText { text: blueprint.to_toml(), blueprint };
-    Ok(Generated { text, baselines, notes, run_in, map })
+    Ok(Generated { text, baselines, notes, run_in, readings, map })
+}
+
+/// Of other readings the one with which the linear models, or those with plays, leave so much less that it is taken; and how
+/// many times as much the usual ones leave.
+fn less(
+    usual: &Identified,
+    others: Vec<((Between, Reading), Found)>,
+) -> Option<((Between, Reading), Found, f64)> {
+    let least = |axis: &AxisResult| {
+        let all = axis.identification.candidates.iter().filter_map(|c| c.held_out_rmse);
+        all.reduce(f64::min)
+    };
+    let part = |found: &Identified| -> Option<f64> {
+        let axes = found.axes.iter().zip(&usual.axes);
+        let parts = axes.map(|(own, usual)| Some((least(own)? / least(usual)?).powi(2)));
+        let logs: Vec<f64> = parts.map(|part| part.map(f64::ln)).collect::<Option<_>>()?;
+        Some((logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp())
+    };
+    let mut all: Vec<_> =
+        others.into_iter().filter_map(|(r, found)| Some((part(&found.1)?, r, found))).collect();
+    all.retain(|(part, ..)| *part < READINGS_LESS);
+    let weight = |(part, (between, _), _): &(f64, (Between, Reading), Found)| match between {
+        Between::Line => part / STRAIGHT,
+        _ => *part,
+    };
+    let best = all.into_iter().min_by(|a, b| weight(a).total_cmp(&weight(b)))?;
+    Some((best.1, best.2, (1.0 / best.0).sqrt()))
 }
 
 /// Which column of the logs belongs to which variable of the model.

@@ -59,6 +59,7 @@ impl Diagnose {
                     outputs: &self.output_columns,
                     options: &self.options,
                     drop: self.drop.filter(|drop| *drop > 0.0),
+                    readings: self.readings(),
                     response: self.frequency_response.as_deref().map(|table| (table, self.modes)),
                 };
                 Ok(Source::Generated(Box::new(baseline::identified(&asked, screen)?)))

@@ -337,6 +337,18 @@ impl Log {
         Ok(())
     }
 
+    /// Puts other values in a column's place, record by record: `of` gets times in s and values. A column that is not there is
+    /// none to change.
+    pub fn replace(&mut self, name: &str, of: impl Fn(&[f64], &[f64]) -> Vec<f64>) {
+        let Some(column) = self.columns.iter_mut().find(|column| column.name == name) else {
+            return;
+        };
+        for rows in self.records.iter().map(|record| record.rows.clone()) {
+            let others = of(&self.time[rows.clone()], &column.values[rows.clone()]);
+            column.values[rows].iter_mut().zip(others).for_each(|(own, other)| *own = other);
+        }
+    }
+
     /// File or other origin, for messages.
     #[must_use]
     pub fn origin(&self) -> &str {
