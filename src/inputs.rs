@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use cosim::Fmu;
 use data::{Blueprint, Log, NameMap, ReadOptions, Resample};
 use diagnose::{Between, Reading};
+use modeldescription::variable::Causality;
 
 use crate::ranges;
 
@@ -55,8 +57,19 @@ impl Readings {
         Self { between: Some(between.name().into()), reading: Some(reading.name().into()) }
     }
 
+    /// As `held`, in the columns that feed inputs of an FMU; `map` says which column feeds which variable.
+    pub(crate) fn held_for(&self, fmu: &Fmu, map: &[(String, String)], log: Log) -> Log {
+        let inputs = fmu.names(Causality::Input);
+        let driven = map.iter().filter(|(variable, _)| inputs.contains(variable));
+        self.held(log, driven.map(|(_, column)| column.as_str()))
+    }
+
     /// The log with held commands in these columns, to which a machine answers as to the commands it had.
     pub(crate) fn held<'a>(&self, mut log: Log, commands: impl Iterator<Item = &'a str>) -> Log {
+        // Its own are held already.
+        if self.between.is_none() && self.reading.is_none() {
+            return log;
+        }
         let between = self.between.as_deref().and_then(Between::find).unwrap_or_default();
         let reading = self.reading.as_deref().and_then(Reading::find);
         for command in commands {

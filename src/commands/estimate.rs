@@ -170,12 +170,10 @@ impl Estimate {
             bail!("`{}` is both a parameter of --tune and a value of --initial", twice.name);
         }
         let mut notes = Vec::new();
-        let inputs = fmu.names(Causality::Input);
         let read = |file: &PathBuf| {
             let log = self.options.read(file)?;
             let map = addresses.columns(&self.options.names()?, &log)?;
-            let driven = map.iter().filter(|(variable, _)| inputs.contains(variable));
-            Ok(self.readings.held(log, driven.map(|(_, column)| column.as_str())))
+            Ok(self.readings.held_for(fmu, &map, log))
         };
         let logs = self.log.iter().chain(&self.held_out).map(read);
         let logs: Vec<Log> = logs.collect::<anyhow::Result<_>>()?;

@@ -10,7 +10,6 @@ use cosim::{Coupling, Drive, Driven, Ending, Fmu, Loop, LoopSettings, Memory, Po
 use cosim::{Signal, Signals, Slave, Value, Wiring};
 use data::Log;
 use modeldescription::description::Unit;
-use modeldescription::variable::Causality;
 use serde::Serialize;
 
 use crate::fmus::{self, Addresses, Isolation};
@@ -195,9 +194,7 @@ impl Simulate {
         addresses.check(&names)?;
         let map = addresses.columns(&names, &log)?;
         let matched = Matched::of(&opened.fmu, &addresses, &names, &map, &log)?;
-        let inputs = opened.fmu.names(Causality::Input);
-        let driven = map.iter().filter(|(variable, _)| inputs.contains(variable));
-        let log = self.readings.held(log, driven.map(|(_, column)| column.as_str()));
+        let log = self.readings.held_for(&opened.fmu, &map, log);
         let records = signals(&log);
         let drive = Drive {
             map,

@@ -76,9 +76,15 @@ impl Between {
         Course::given(Some(self), reading).held(time, command, 1)
     }
 
-    /// When readings are taken, where nobody says: of a held command before it acts, of one that moves with it.
+    /// How logs are read of which so much is said: as usual where nothing is.
     #[must_use]
-    pub fn usual_reading(self) -> Reading {
+    pub fn with_reading(between: Option<Self>, reading: Option<Reading>) -> (Self, Reading) {
+        let between = between.unwrap_or_default();
+        (between, reading.unwrap_or(between.usual_reading()))
+    }
+
+    /// When readings are taken, where nobody says: of a held command before it acts, of one that moves with it.
+    fn usual_reading(self) -> Reading {
         if self == Self::Zoh { Reading::Before } else { Reading::With }
     }
 
@@ -175,8 +181,7 @@ pub(crate) struct Course {
 impl Course {
     /// As said, and as usual where nothing is.
     pub(crate) fn given(between: Option<Between>, reading: Option<Reading>) -> Self {
-        let between = between.unwrap_or_default();
-        let reading = reading.unwrap_or(between.usual_reading());
+        let (between, reading) = Between::with_reading(between, reading);
         Self { between, reading, is_stepped: false }
     }
 

@@ -160,14 +160,13 @@ impl Readings<'_> {
         // One effect and the command explain all, or the reading is not taken: pairs take ten times as long.
         let others = others.map(|course| (course, self.fresh.max_effects.min(1)));
         self.taken(outcome, others, |other, outcome| {
-            let leaves_less = other.left() < Thresholds::READING_LESS * outcome.left();
             // Where nothing pointed to it, it must leave nothing, and much less than the best single effect of the usual
             // reading, which a delay of half a row may imitate: else it helps wrong names.
             if outcome.verdict == Verdict::Unknown {
                 let leaves_nothing = !has_gap(&other.found.last, other.adequate);
-                return is_explained(other) && leaves_nothing && leaves_less;
+                return is_explained(other) && leaves_nothing && leaves_less(other, outcome);
             }
-            leaves_less || stands_for_effects(other, outcome)
+            leaves_less(other, outcome) || stands_for_effects(other, outcome)
         })
     }
 
@@ -178,8 +177,7 @@ impl Readings<'_> {
         let others = tried.into_iter().map(|t| t.0).filter(|c| Some(*c) != pointed).collect();
         let with_all = pointed.map(|course| (course, self.fresh.max_effects));
         let outcome = self.taken(outcome, with_all, |other, outcome| {
-            let leaves_less = other.left() < Thresholds::READING_LESS * outcome.left();
-            leaves_less || stands_for_effects(other, outcome)
+            leaves_less(other, outcome) || stands_for_effects(other, outcome)
         });
         (outcome, others)
     }
@@ -237,6 +235,11 @@ fn has_released_lag(o: &Outcome) -> bool {
         let family = &o.library[*family];
         family.effect.group == Some(Group::Lag) && !family.formulas[*number].releases.is_empty()
     })
+}
+
+/// Whether this reading leaves so much less that it is taken.
+fn leaves_less(other: &Outcome, outcome: &Outcome) -> bool {
+    other.left() < Thresholds::READING_LESS * outcome.left()
 }
 
 /// Whether this reading explains the log with fewer effects, and leaves about as much.

@@ -140,7 +140,7 @@ fn of_response(asked: &Asked<'_>, table: &Path, most: usize) -> anyhow::Result<G
     let baselines = in_numbers(&blueprint, &outputs)?;
     let map = columns_of(asked, &column);
     let text = BlueprintText { text: blueprint.to_toml(), blueprint };
-    let readings = given(asked.readings);
+    let readings = Between::with_reading(asked.readings.0, asked.readings.1);
     Ok(Generated { text, baselines, notes, run_in: 0.0, readings, map })
 }
 
@@ -234,12 +234,6 @@ fn fitted_to(
 /// A plant that was identified, and what was found out.
 type Found = (CheckedBlueprint, Identified);
 
-/// As said, and as usual where nothing is.
-fn given((between, reading): (Option<Between>, Option<Reading>)) -> (Between, Reading) {
-    let between = between.unwrap_or_default();
-    (between, reading.unwrap_or(between.usual_reading()))
-}
-
 /// The linear model identified from the logs: where nobody says how to read them, with the readings that leave least.
 fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Generated> {
     let of = |model: &str, readings: (Between, Reading), screen: &Screen| {
@@ -248,7 +242,7 @@ fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Generated> {
         Identify::one_model(model, asked.logs, columns, asked.options, parts, readings)
             .plant(screen)
     };
-    let (of, usual) = (&of, given(asked.readings));
+    let (of, usual) = (&of, Between::with_reading(asked.readings.0, asked.readings.1));
     let others: &[(Between, Reading)] = match asked.readings {
         (None, None) => &[(Between::Zoh, Reading::After), (Between::Line, Reading::With)],
         _ => &[],
