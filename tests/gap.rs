@@ -364,3 +364,92 @@ fn a_log_alone_is_diagnosed_against_a_linear_model_of_its_own() {
         refuse(&["diagnose", "--log", "a.csv", "--input", "none", "--output", "reading"], at);
     assert!(message.contains("none") && message.contains("drive"), "{message}");
 }
+
+/// Shrinking triangles of an elastic slip (a friction that follows the way for 3 mm), each reading a force.
+fn log_of_friction() -> String {
+    let (mut csv, mut slip, mut noise) =
+        (String::from("time [s],way [mm],force [N]\n"), 0.0_f64, 7_u64);
+    for k in 0..4000 {
+        let t = 0.01 * f64::from(k);
+        let phase = (0.25 * t + 0.25).fract();
+        let way = (20.0 - 0.35 * t) * (4.0 * (phase - 0.5).abs() - 1.0);
+        noise =
+            noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let off = 0.2 * ((noise >> 33) as f64 / f64::from(1_u32 << 30) - 1.0);
+        slip = (way - 3.0).max((way + 3.0).min(slip));
+        csv.push_str(&format!(
+            "{t:.2},{way:.5},{:.5}\n",
+            0.05 * way + 8.0 * (way - slip) / 3.0 + off
+        ));
+    }
+    csv
+}
+
+/// The force of a friction over the way of a testing machine: nearly all of it is loop, whatever gain and dynamics a model has.
+#[test]
+fn a_force_that_is_nearly_all_friction_is_found_with_any_model_and_with_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    fs::write(at.join("a.csv"), log_of_friction()).expect("a log");
+    for gain in ["0.05", "0.5"] {
+        let model = format!(
+            "piezoloop = 1\nkind = \"plant\"\nname = \"spring\"\nstep = 0.01\n[[axis]]\nname = \"X\"\n\
+             command = {{ name = \"way\", unit = \"mm\" }}\nposition = {{ name = \"force\", unit = \"N\" }}\n\
+             [[axis.component]]\ntype = \"actuator-gain\"\nname = \"gain\"\ngain = {gain}\noffset = 0\n\
+             tolerance = {{ gain = 0.9, offset = 1 }}\n"
+        );
+        fs::write(at.join("model.toml"), model).expect("a model");
+        let gap = common::json(&["diagnose", "--model", "model.toml", "--log", "a.csv"], at);
+        assert_eq!(gap["effects"][0]["effect"], "hysteresis", "{gap:#}");
+        assert!(gap["shrink"]["fraction"].as_f64() > Some(0.95), "{gap:#}");
+    }
+    let alone = ["diagnose", "--log", "a.csv", "--input", "way", "--output", "force"];
+    let gap = common::json(&alone, at);
+    let names: Vec<_> = gap["effects"].as_array().expect("a list").iter().collect();
+    assert!(names.len() == 1 && names[0]["effect"] == "hysteresis", "{gap:#}");
+}
+
+/// A limit of the amplifier before a mode, of which the linear model of the log knows nothing: the mode is no missing effect.
+#[test]
+fn dynamics_that_a_limit_hides_belong_to_the_linear_model() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let mut logs = Vec::new();
+    for record in 0..3_u32 {
+        let mut csv = String::from("time [s],u [V],y [um]\n");
+        let command = |k: u32| {
+            let line = |n: u32| {
+                let n = f64::from(n);
+                let phase = n * n * (1.0 + 0.37 * f64::from(record));
+                (std::f64::consts::TAU * 1.7e-3 * n * f64::from(k) + phase).sin()
+            };
+            50.0 + 10.0 * (1..=20).map(line).sum::<f64>()
+        };
+        let target = |u: f64| 0.5 * u.min(72.0) - 25.0;
+        let (mut place, mut rate, mut noise) =
+            (target(command(0)), 0.0, 11_u64 + u64::from(record));
+        let omega = std::f64::consts::TAU * 90.0;
+        for k in 0..3000 {
+            let (t, u) = (1e-3 * f64::from(k), command(k));
+            noise = noise
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let off = 0.01 * ((noise >> 33) as f64 / f64::from(1_u32 << 30) - 1.0);
+            csv.push_str(&format!("{t},{u},{}\n", place + off));
+            for _ in 0..50 {
+                place += 1e-5 * rate;
+                rate += 2e-5 * (omega * omega * (target(u) - place) - 0.08 * omega * rate);
+                place += 1e-5 * rate;
+            }
+        }
+        let name = format!("{record}.csv");
+        fs::write(at.join(&name), csv).expect("a log");
+        logs.extend(["--log".to_owned(), name]);
+    }
+    let mut call = vec!["diagnose", "--input", "u", "--output", "y"];
+    call.extend(logs.iter().map(String::as_str));
+    let gap = common::json(&call, at);
+    let names: Vec<_> = gap["effects"].as_array().expect("a list").iter().collect();
+    assert!(names.len() == 1 && names[0]["effect"] == "amplifier_saturation", "{gap:#}");
+    assert!(gap["baseline"][0]["structure"].as_str().expect("parts").contains("mode"), "{gap:#}");
+}

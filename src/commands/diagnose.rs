@@ -1,5 +1,6 @@
 //! `piezoloop diagnose`: where a model and its machine differ, which effect it is, what it is worth.
 
+mod again;
 mod baseline;
 mod repaired;
 mod source;
@@ -209,6 +210,16 @@ impl Diagnose {
         let unmatched = check_tolerances(&request)?;
         let mut bar = Bar(cli::bar(screen, "diagnose", 1));
         let mut diagnosis = diagnose::examine(&request, &mut bar);
+        if let Source::Generated(model) = &mut source {
+            let first = model.text.text.clone();
+            diagnosis = match diagnosis {
+                Ok(found) => Ok(again::better(found, model, &request, &mut bar)?),
+                refused => refused,
+            };
+            if let Some(file) = self.baseline.as_ref().filter(|_| model.text.text != first) {
+                model.text.blueprint.write(file)?;
+            }
+        }
         let (mut notes, baseline) = match &source {
             Source::Generated(identified) => {
                 (identified.notes.clone(), identified.baselines.clone())
@@ -399,14 +410,16 @@ impl Answer for Diagnosed {
         if let Some(left) = gap.leftover.discrepancy.as_ref().filter(more) {
             let what = match &gap.leftover.looks_like {
                 Some(name) => {
-                    format!("looks like {} but may be something else", name.replace('_', " "))
+                    format!("; it looks like {} but may be something else", name.replace('_', " "))
                 }
-                None => "looks like no other candidate".to_owned(),
+                // The sentence above says which candidate is the best.
+                None if gap.verdict == Verdict::Unknown => String::new(),
+                None => "; no further candidate explains it".to_owned(),
             };
             let part = report::format_number(100.0 * left.of_range, 2);
             writeln!(
                 out,
-                "Remaining error beyond the noise: {part} % of the range of {}; it {what}.",
+                "Remaining error beyond the noise: {part} % of the range of {}{what}.",
                 gap.place.output
             )?;
         }

@@ -143,6 +143,21 @@ impl Diagnosis {
         repaired_fmu::pack(fmu.package(), &repair, notes, libraries)
     }
 
+    /// The blueprint that was diagnosed with re-tuned values and the linear dynamics that were found (modes, lags and
+    /// delays); none where none were. A model that was identified from the same logs may lack them, whatever the machine is.
+    #[must_use]
+    pub fn linear_parts(&self, blueprint: &data::Blueprint) -> Option<data::Blueprint> {
+        let mut completed = blueprint.clone();
+        let mut has_any = false;
+        for outcome in &self.outcomes {
+            let mut own = completed.clone();
+            if repair::linear_parts(outcome, outcome.task.axis, &mut own) {
+                (completed, has_any) = (own, true);
+            }
+        }
+        has_any.then_some(completed)
+    }
+
     /// The blueprint that was diagnosed with re-tuned values and the effects in place. Disturbances of a
     /// record (drift, hum, lines) are no part of a model and stay out.
     ///
@@ -172,6 +187,13 @@ impl Diagnosis {
         answer::hand_back(&mut self.gap, &self.outcomes, &after);
         (repaired, notes)
     }
+}
+
+/// Whether an effect of this name is linear dynamics (a mode, a lag or a delay), which a model that was identified from the
+/// same logs may lack.
+#[must_use]
+pub fn is_linear(effect: &str) -> bool {
+    repair::LINEAR.iter().any(|linear| linear.name == effect)
 }
 
 /// Diagnoses the gap between a model and measured logs.

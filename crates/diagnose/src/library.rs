@@ -315,6 +315,13 @@ pub(crate) struct Setting<'a> {
     pub(crate) reading_gaps: Option<Gaps>,
 }
 
+impl Setting<'_> {
+    /// Position over command, over the ranges of both: of the readings, where the model follows less of them than there is.
+    pub(crate) fn slope(&self) -> f64 {
+        self.position.half.max(self.data.output_span.half) / self.command.half
+    }
+}
+
 /// All families, without those that were taken out and those that this model or log cannot show.
 pub(crate) fn families(setting: &Setting<'_>, without: &[String]) -> Vec<Family> {
     let mut all = Vec::new();

@@ -23,6 +23,7 @@ use crate::fit::Fitter;
 use crate::gap::{SecondOpinion, Verdict};
 use crate::library::{self, Family, Formula};
 use crate::noise::{self, Shape};
+use crate::nuisance::Nuisance;
 use crate::offset::Offset;
 use crate::own_course;
 use crate::request::Request;
@@ -31,6 +32,7 @@ use crate::select::{Candidate, Found, Memo, Search, has_gap};
 use crate::setting::{setting, simulated_span};
 use crate::steps::Steps;
 use crate::task::Task;
+use crate::thresholds::base::Thresholds as BaseThresholds;
 use crate::thresholds::noise::Thresholds;
 use crate::{excess_noise, offset, robust, second, shrink, start};
 
@@ -145,7 +147,27 @@ pub(crate) fn of(task: Task, request: &Request, count: &AtomicU64) -> Result<Out
     let (task, library) = run.library(task, &base);
     let searched = run.search(&task, &library, base)?;
     let (task, believed) = run.belief(task, &library, searched);
-    Ok(run.repair(task, library, believed))
+    let outcome = run.repair(task, library, believed);
+    if !drifts_alike(&outcome) {
+        return Ok(outcome);
+    }
+    let memo = Memo::default();
+    Run { request, count, memo: &memo }.without_courses(outcome)
+}
+
+/// Whether a free course is named that is none of each record's own, and that predicts no complete record: a drift that returns
+/// with the command is no drift.
+fn drifts_alike(o: &Outcome) -> bool {
+    let has_course = o.formulas(&o.found.last).any(is_course);
+    has_course
+        && o.task.data.records.len() >= BaseThresholds::COURSE_RECORDS
+        && !o.judge.has_own_course(&o.found.last.chain)
+        && o.second.as_ref().is_some_and(|second| !second.agrees)
+}
+
+/// Whether a formula is a free course.
+fn is_course(formula: &Formula) -> bool {
+    formula.nuisance.as_ref().is_some_and(Nuisance::is_free_course)
 }
 
 /// What all stages of one diagnosis share.
@@ -276,6 +298,27 @@ impl Run<'_> {
             report::format_number(unit * all.judged.held_out.sqrt(), 4),
         ));
         (task, Base { retuned: all, ..base })
+    }
+
+    /// The answer without free courses, which explain the held-out rows and no complete record.
+    fn without_courses(&self, o: Outcome) -> Result<Outcome, Error> {
+        let Outcome { mut task, mut library, judge, sigma, adequate, fine, given, found, .. } = o;
+        for family in &mut library {
+            family.formulas.retain(|f| !is_course(f));
+        }
+        library.retain(|f| !f.formulas.is_empty());
+        task.warnings.push(format!(
+            "{}: a drift would explain the held-out rows, but not a record that is left out of the fit as a whole: it is \
+             not named",
+            task.output
+        ));
+        let scale = Scale { judge, sigma, sure: adequate, adequate, fine };
+        let position = simulated_span(&found.base, &task.data, self.count);
+        let position = position.unwrap_or(task.data.output_span);
+        let base = Base { retuned: found.base, given, scale, position };
+        let searched = self.search(&task, &library, base)?;
+        let (task, believed) = self.belief(task, &library, searched);
+        Ok(self.repair(task, library, believed))
     }
 
     /// The effects that can act in these logs, and the task without the steps of the reading that the model makes.

@@ -9,7 +9,7 @@ mod zones;
 use components::effects;
 use components::sensor::SENSOR_SCALE;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
-use model::{Component, Declaration, Extension, Stage};
+use model::{Component, Declaration, Effect, Extension, Stage};
 use surround::Block;
 
 pub(crate) use self::handed::judged_as_written;
@@ -22,6 +22,7 @@ use crate::outcome::Outcome;
 use crate::score::Judged;
 use crate::select::Candidate;
 use crate::stand_in::stand_in;
+use crate::thresholds::repair::Thresholds;
 
 /// One change of an axis.
 #[derive(Clone)]
@@ -124,6 +125,54 @@ pub(crate) fn repair(
             .to_owned(),
     );
     (notes, Some(base.judged.clone()))
+}
+
+/// Effects that are linear dynamics: what a model that was identified from the same logs may lack, whatever the machine is.
+pub(crate) const LINEAR: [&Effect; 4] = [
+    &effects::EXTRA_MODE,
+    &effects::AMPLIFIER_BANDWIDTH,
+    &effects::SENSOR_BANDWIDTH,
+    &effects::DELAY,
+];
+
+/// Writes the re-tuned values and the linear dynamics that were found in one axis (from 1) into a blueprint; whether there
+/// are any.
+pub(crate) fn linear_parts(o: &Outcome, axis: usize, blueprint: &mut Blueprint) -> bool {
+    let last = &o.found.last;
+    retune(&o.task.base, (&last.chain, &last.fit.theta), o, (blueprint, axis));
+    let given = blueprint.clone();
+    let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
+    let (mut changes, mut has_any) = (Vec::new(), false);
+    for (family, number) in &last.picks {
+        let effect = o.library[*family].effect;
+        let formula = &o.library[*family].formulas[*number];
+        let own = first..first + formula.parameters.len();
+        first = own.end;
+        if !LINEAR.iter().any(|linear| linear.name == effect.name) {
+            continue;
+        }
+        let values: Vec<f64> =
+            own.map(|k| last.chain.parameters[k].value(last.fit.theta[k])).collect();
+        let axis_now = &apply(&given, axis, &changes).axes[axis - 1].clone();
+        let axes = (&given.axes[axis - 1], axis_now);
+        let own = first_mode(o, formula, &values)
+            .or_else(|| write(o, last, effect.name, formula, &values, axes));
+        has_any |= own.is_some() || !formula.releases.is_empty();
+        changes.extend(own.unwrap_or_default());
+    }
+    *blueprint = apply(&given, axis, &changes);
+    has_any && blueprint.clone().check(components::COMPONENTS).is_ok()
+}
+
+/// The mode of a machine whose model has none: nearly all of the motion goes through it.
+fn first_mode(o: &Outcome, formula: &Formula, values: &[f64]) -> Option<Vec<Change>> {
+    let block = formula.pieces.first()?.block.effect()?;
+    let (Block::ParallelMode, &[gain, frequency, damping]) = (block, values) else { return None };
+    let is_all = o.task.base.mode.is_none() && (gain - 1.0).abs() < Thresholds::ALL_THROUGH_MODE;
+    let component = ComponentBlueprint::new("mode");
+    let component = component.value("frequency", frequency).value("damping", damping);
+    let place = o.task.base.components.iter().map(|at| at.place + 1).max().unwrap_or(0);
+    is_all.then(|| vec![Change::Insert { place, slot: Slot::BeforeMechanics, component }])
 }
 
 fn is_same_place(a: &Change, b: &Change) -> bool {

@@ -2,7 +2,9 @@
 //!
 //! ```toml
 //! # FOLDER/NAME/machine.toml
-//! model = "model.toml"            # what a user has: a blueprint or an FMU
+//! model = "model.toml"            # what a user has: a blueprint or an FMU; may be left out where the next two are there
+//! input = "u"                     # without a model: the column of the command
+//! output = "y"                    # without a model: the column of the reading
 //! logs = ["run_1.csv"]            # what the diagnosis gets
 //! holdout = ["run_2.csv"]         # what it is judged on; may be left out
 //! drop = 0.5                      # seconds of run-in; may be left out
@@ -30,7 +32,9 @@ const SURE: f64 = 0.8;
 /// What is known of a machine.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 struct Machine {
-    model: PathBuf,
+    model: Option<PathBuf>,
+    input: Option<String>,
+    output: Option<String>,
     logs: Vec<PathBuf>,
     #[serde(default)]
     holdout: Vec<PathBuf>,
@@ -146,6 +150,10 @@ fn read(folder: &Path, only: &[String]) -> Result<Vec<(String, PathBuf, Machine)
         if machine.logs.is_empty() {
             return Err(refuse(&file, "logs is empty; name at least one measured log".to_owned()));
         }
+        if machine.model.is_none() && (machine.input.is_none() || machine.output.is_none()) {
+            let message = "there is no model; name one, or the columns of command and reading as input and output";
+            return Err(refuse(&file, message.to_owned()));
+        }
         all.push((name, home, machine));
     }
     all.sort_by(|a, b| a.0.cmp(&b.0));
@@ -161,9 +169,19 @@ fn read(folder: &Path, only: &[String]) -> Result<Vec<(String, PathBuf, Machine)
 impl Machine {
     fn arguments(&self, home: &Path, out: &Path) -> Vec<String> {
         let text = |path: &Path| path.to_string_lossy().into_owned();
-        let ending = self.model.extension().map_or("toml".into(), |e| e.to_string_lossy());
+        let ending = self.model.as_ref().and_then(|model| model.extension());
+        let ending = ending.map_or("toml".into(), |e| e.to_string_lossy());
         let repaired = out.join(format!("repaired.{ending}"));
-        let mut all = vec!["--model".to_owned(), text(&home.join(&self.model))];
+        let model = self.model.as_ref().map(|model| text(&home.join(model)));
+        let of = |option: &str, value: &Option<String>| {
+            let value = value.clone();
+            value.map_or_else(Vec::new, |value| vec![option.to_owned(), value])
+        };
+        let mut all = of("--model", &model);
+        if model.is_none() {
+            all.extend(of("--input", &self.input));
+            all.extend(of("--output", &self.output));
+        }
         for (option, files) in [("--log", &self.logs), ("--holdout", &self.holdout)] {
             all.extend(files.iter().flat_map(|f| [option.to_owned(), text(&home.join(f))]));
         }
@@ -302,7 +320,9 @@ mod tests {
     fn machine(right: &[&str], also: &[&str]) -> Machine {
         let own = |all: &[&str]| all.iter().map(ToString::to_string).collect();
         Machine {
-            model: "m.toml".into(),
+            model: Some("m.toml".into()),
+            input: None,
+            output: None,
             logs: vec!["a.csv".into()],
             holdout: Vec::new(),
             drop: 0.0,
@@ -361,7 +381,9 @@ mod tests {
                 let at = arguments.iter().position(|a| a == option).ok_or("no such option")?;
                 Ok::<_, String>(PathBuf::from(&arguments[at + 1]))
             };
-            let model = of("--model")?;
+            // Without a model the answer stands beside the log.
+            let log = || Ok(of("--log")?.with_file_name("model.toml"));
+            let model = of("--model").or_else(|_: String| log().and(of("--input")).and(log()))?;
             let text = std::fs::read_to_string(&model).map_err(|e| e.to_string())?;
             std::fs::write(of("--json")?, text).map_err(|e| e.to_string())
         }
@@ -374,11 +396,15 @@ mod tests {
     fn a_folder_of_machines_is_asked_one_by_one() {
         let folder = tempfile::tempdir().unwrap();
         let says = serde_json::to_string(&answer(&[("creep", 0.9, &["creep"])])).unwrap();
-        for (name, model) in [("b", says.as_str()), ("a", "{}")] {
+        let model = "model = 'model.toml'";
+        let columns = "input = 'u'\noutput = 'y'";
+        for (name, text, from) in
+            [("b", says.as_str(), model), ("a", "{}", model), ("c", says.as_str(), columns)]
+        {
             let home = folder.path().join(name);
             std::fs::create_dir(&home).unwrap();
-            std::fs::write(home.join("model.toml"), model).unwrap();
-            let text = "model = 'model.toml'\nlogs = ['a.csv']\nright = ['creep']\n";
+            std::fs::write(home.join("model.toml"), text).unwrap();
+            let text = format!("{from}\nlogs = ['a.csv']\nright = ['creep']\n");
             std::fs::write(home.join(FILE), text).unwrap();
         }
         std::fs::create_dir(folder.path().join("no machine")).unwrap();
@@ -386,11 +412,16 @@ mod tests {
         let all = real(folder.path(), &[], out.path(), &Fixed, &|_| true).unwrap();
         let judged: Vec<_> =
             all.machines.iter().map(|m| (m.machine.as_str(), m.judgement)).collect();
-        assert_eq!(judged, [("a", Judgement::Broken), ("b", Judgement::Right)]);
-        assert_eq!((all.right(), all.sure_and_invented()), (1, 0));
-        let error = real(folder.path(), &["c".to_owned()], out.path(), &Fixed, &|_| true);
+        let wanted = [("a", Judgement::Broken), ("b", Judgement::Right), ("c", Judgement::Right)];
+        assert_eq!(judged, wanted);
+        assert_eq!((all.right(), all.sure_and_invented()), (2, 0));
+        let error = real(folder.path(), &["d".to_owned()], out.path(), &Fixed, &|_| true);
         let message = error.unwrap_err().to_string();
-        assert!(message.contains("c is no folder"), "{message}");
+        assert!(message.contains("d is no folder"), "{message}");
+        let file = folder.path().join("a").join(FILE);
+        std::fs::write(&file, "logs = ['a.csv']\nright = []\ninput = 'u'\n").unwrap();
+        let error = real(folder.path(), &[], out.path(), &Fixed, &|_| true).unwrap_err();
+        assert!(error.to_string().contains("as input and output"), "{error}");
         std::fs::write(folder.path().join("a").join(FILE), "model = 'm'").unwrap();
         let error = real(folder.path(), &[], out.path(), &Fixed, &|_| true).unwrap_err();
         assert!(error.to_string().contains("logs"), "{error}");

@@ -40,7 +40,7 @@ impl fmt::Display for UnitError {
             Self::Unknown { start, end } => write!(
                 f,
                 "no unit symbol at characters {}..{end}; known are m, g, s, A, K, mol, cd, rad, deg, \
-                 V, N, Hz, C, F, H, W, J, Pa, Ohm, bar, min, h, rpm, degC, % and 1, with the prefixes \
+                 V, N, Hz, C, F, H, W, J, Pa, Ohm, S, T, Wb, bar, min, h, rpm, degC, % and 1, with the prefixes \
                  p n u m c k M G, combined as in um/V, N.s/m, V/s2",
                 start + 1
             ),
@@ -177,6 +177,9 @@ impl Unit {
             "F" => unit(1.0, [-1, -2, 4, 2, 0, 0, 0, 0]),
             "H" => unit(1.0, [1, 2, -2, -2, 0, 0, 0, 0]),
             "Ohm" => unit(1.0, [1, 2, -3, -2, 0, 0, 0, 0]),
+            "S" => unit(1.0, [-1, -2, 3, 2, 0, 0, 0, 0]),
+            "Wb" => unit(1.0, [1, 2, -2, -1, 0, 0, 0, 0]),
+            "T" => unit(1.0, [1, 0, -2, -1, 0, 0, 0, 0]),
             _ => return None,
         })
     }
@@ -245,6 +248,8 @@ mod tests {
         assert_eq!(unit("V/s2"), unit("V/s/s"));
         assert_eq!(unit("kHz").factor, 1e3);
         assert_eq!(unit("Ohm.F"), unit("s"));
+        assert_eq!(unit("T.m2"), unit("Wb"));
+        assert_eq!(unit("S.Wb"), unit("C"));
         assert_eq!(unit("1/s"), unit("Hz"));
         assert_eq!(unit(""), Unit::ONE);
         assert_eq!(unit("%").factor, 0.01);

@@ -56,6 +56,41 @@ pub(super) struct Generated {
     pub(super) map: Vec<String>,
 }
 
+impl Generated {
+    /// With another linear model, and what it is.
+    pub(super) fn with(&self, mut blueprint: Blueprint, what: &str) -> anyhow::Result<Self> {
+        let checked = blueprint.clone().check(learned::COMPONENTS)?;
+        for (axis, spec) in blueprint.axes.iter_mut().zip(&checked.spec().axes) {
+            for (part, node) in axis.components.iter_mut().zip(&spec.components) {
+                for (name, _, _) in fitted(node).filter(|(_, _, value)| *value != 0.0) {
+                    let least = if name == "damping" { LEAST_OF_DAMPING } else { LEAST };
+                    part.tolerance.entry(name.to_owned()).or_insert(least);
+                }
+            }
+        }
+        let names: Vec<&str> = self.baselines.iter().map(|b| b.output.as_str()).collect();
+        let baselines = in_numbers(&blueprint, &names)?;
+        let mut notes = self.notes.clone();
+        let all = baselines.iter();
+        notes.extend(
+            all.map(|b| format!("{}: the linear model is {what}: {}", b.output, numbers(b))),
+        );
+        let text = BlueprintText { text: blueprint.to_toml(), blueprint };
+        let (run_in, readings, map) = (self.run_in, self.readings, self.map.clone());
+        Ok(Self { text, baselines, notes, run_in, readings, map })
+    }
+}
+
+/// The model without its dynamics; none where it has none.
+pub(super) fn gains_alone(blueprint: &Blueprint) -> Option<Blueprint> {
+    let mut gains = blueprint.clone();
+    for axis in &mut gains.axes {
+        axis.components.retain(|part| components::find(&part.kind).is_some_and(is_gain));
+    }
+    let has_all = gains.axes.iter().all(|axis| !axis.components.is_empty());
+    (has_all && gains != *blueprint).then_some(gains)
+}
+
 /// What it is made from.
 pub(super) struct Asked<'a> {
     pub(super) logs: &'a [PathBuf],
@@ -451,24 +486,28 @@ fn in_numbers(blueprint: &Blueprint, names: &[&str]) -> anyhow::Result<Vec<Basel
     Ok(all.collect())
 }
 
-fn sentence(baseline: &Baseline) -> String {
+/// Structure and parameters of a model.
+fn numbers(baseline: &Baseline) -> String {
     let number = |x: f64| report::format_number(x, 4);
     let with_std = |std: Option<f64>| std.map_or(String::new(), |s| format!(" ± {}", number(s)));
     let parameters = baseline
         .parameters
         .iter()
         .map(|(name, p)| format!("{name} = {}{} {}", number(p.value), with_std(p.std), p.unit));
+    format!("{} ({})", baseline.structure, parameters.collect::<Vec<_>>().join(", "))
+}
+
+fn sentence(baseline: &Baseline) -> String {
     let left = baseline.nrmse[1].map_or(String::new(), |part| {
         format!(
             "; the error of linear parts alone is {} % of the range on the other rows",
-            number(100.0 * part)
+            report::format_number(100.0 * part, 4)
         )
     });
     format!(
-        "{}: no --model was given; a linear one is identified from the first {:.0} % of the logs: {} ({}){left}",
+        "{}: no --model was given; a linear one is identified from the first {:.0} % of the logs: {}{left}",
         baseline.output,
         100.0 * (1.0 - HELD_OUT),
-        baseline.structure,
-        parameters.collect::<Vec<_>>().join(", ")
+        numbers(baseline)
     )
 }

@@ -4,7 +4,7 @@ use crate::gap::Discrepancy;
 use crate::gap::Leftover;
 use crate::outcome::Outcome;
 use crate::place::Maps;
-use crate::score::explained;
+use crate::score::{explained, mean_square};
 use crate::thresholds::answer::Thresholds;
 
 pub(super) fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
@@ -29,8 +29,11 @@ pub(super) fn leftover(o: &Outcome, maps: &Maps<'_>) -> Leftover {
 
 /// Size and time of what is left beside the noise, where it is more than the noise.
 pub(super) fn discrepancy(o: &Outcome) -> Option<Discrepancy> {
-    let left = o.judge.discrepancy(&o.found.last.judged, &o.task.data);
-    let rms = left.size * o.sigma / o.task.factor;
+    let judged = &o.found.last.judged;
+    let left = o.judge.discrepancy(judged, &o.task.data);
+    // One that is slower than the records has a variance that they do not show: what stands here is in them.
+    let seen = (mean_square(&judged.residual) - 1.0).max(0.0).sqrt();
+    let rms = left.size.min(seen) * o.sigma / o.task.factor;
     let range = 2.0 * o.task.data.output_span.half / o.task.factor;
     (left.size > 0.0 && range > 0.0).then(|| Discrepancy {
         rms,

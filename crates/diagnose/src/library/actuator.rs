@@ -172,44 +172,60 @@ fn creep(s: &Setting<'_>) -> Vec<Formula> {
     ]
 }
 
+/// Weights of plays: as large as makes a loop of three times the range with the least threshold, since the force of a
+/// friction changes within a small part of the range.
+fn weights(s: &Setting<'_>, least: f64) -> impl Fn(&'static str) -> Free + use<> {
+    let slope = s.slope();
+    let most = 3.0 * slope * (2.0 * s.command.half / least).max(1.0);
+    move |name| Free::linear(name, WEIGHT, -most, most).step(1e-3 * slope)
+}
+
 fn hysteresis(s: &Setting<'_>) -> Vec<Formula> {
-    let slope = s.position.half / s.command.half;
-    let weight =
-        |k: usize| Free::linear(WEIGHTS[k], WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
-    let weight_of = |name| Free::linear(name, WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
-    let linear = || weight_of("slope");
-    let with = |name, count: usize, gain: bool| {
-        let parameters = gain.then(linear).into_iter().chain((0..count).map(weight)).collect();
-        let start = vec![0.0; count + usize::from(gain)];
+    let slope = s.slope();
+    let half = s.command.half;
+    let with = |name, r: Vec<f64>, gain: bool| {
+        let weight = weights(s, r[0]);
+        let names =
+            gain.then_some("slope").into_iter().chain(WEIGHTS).take(r.len() + usize::from(gain));
+        let parameters: Vec<Free> = names.map(weight).collect();
+        let start = vec![0.0; parameters.len()];
         Formula::new(name)
-            .block(Slot::AfterActuator, Block::Plays { r: bank(s, count), slope: gain }, parameters)
+            .block(Slot::AfterActuator, Block::Plays { r, slope: gain }, parameters)
             .start(&start)
     };
-    let half = s.command.half;
+    let narrow = 0.002 * half;
     let bouc_wen = Formula::new("Bouc-Wen")
         .block(
             Slot::AfterActuator,
             Block::BoucWen,
             vec![
-                weight_of("gain"),
-                Free::log("width", "{command}", 0.02 * half, 2.0 * half),
+                weights(s, narrow)("gain"),
+                Free::log("width", "{command}", narrow, 2.0 * half),
                 Free::linear("part that depends on the direction", "1", 0.0, 1.0).step(0.02),
             ],
         )
-        .starts([0.1, 0.3].map(|k| vec![0.02 * slope, k * half, 0.5]))
+        .starts([0.1, 0.3, 0.01].map(|k| vec![0.02 * slope, k * half, 0.5]))
         .screened(1);
     vec![
         bouc_wen,
-        with("two plays", 2, false),
-        with("four plays", 4, false),
-        with("four plays and slope", 4, true),
-        with("eight plays and slope", 8, true),
+        with("two plays", bank(s, 2), false),
+        with("four plays", bank(s, 4), false),
+        with("four plays and slope", bank(s, 4), true),
+        with("eight plays and slope", bank(s, 8), true),
+        with("eight plays and slope, most of them narrow", narrow_bank(s, 8), true),
     ]
+}
+
+/// Thresholds from 0.4 % of the range to half of it, each so many times the one before.
+fn narrow_bank(s: &Setting<'_>, count: usize) -> Vec<f64> {
+    let (least, most) = (0.008 * s.command.half, s.command.half);
+    let times = (most / least).powf(1.0 / (count - 1) as f64);
+    (0..count).map(|k| least * times.powi(k as i32)).collect()
 }
 
 fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
     let slot = Slot::AfterActuator;
-    let slope = s.position.half / s.command.half;
+    let slope = s.slope();
     let weight =
         |k: usize| Free::linear(WEIGHTS[k], WEIGHT, -3.0 * slope, 3.0 * slope).step(1e-3 * slope);
     let curvature = Free::linear("curvature", "1", -3.0, 3.0).step(0.01);
@@ -263,20 +279,23 @@ fn asymmetry(s: &Setting<'_>, memory: &Memory) -> Vec<Formula> {
             )
             .start(&[0.2])
             .start(&[-0.2]),
+    ];
+    // Without plays they are a static curve.
+    let zones = s.base.memory.as_ref().map(|_| {
         Formula::new("dead zones behind the plays")
             .block(
                 slot,
                 Block::DeadZones(s.position),
                 vec![dead("slope above"), dead("slope below")],
             )
-            .start(&[0.0, 0.0]),
-    ];
-    all.into_iter().chain(bent).collect()
+            .start(&[0.0, 0.0])
+    });
+    all.into_iter().chain(zones).chain(bent).collect()
 }
 
 /// The play whose width changes, with the same width everywhere.
 fn even_play(s: &Setting<'_>) -> Formula {
-    let slope = s.position.half / s.command.half;
+    let slope = s.slope();
     let none = |name| Free::linear(name, "1", -1e-9, 1e-9);
     Formula::new("play of one width")
         .block(

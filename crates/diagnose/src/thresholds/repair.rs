@@ -28,4 +28,6 @@ impl Thresholds {
     pub(crate) const ZONES_BEYOND: f64 = 0.05;
     /// Least change of slope that is written.
     pub(crate) const ZONES_SLOPE: f64 = 1e-9;
+    /// How far the gain of a mode may be from 1 that is the first of a model without one.
+    pub(crate) const ALL_THROUGH_MODE: f64 = 0.15;
 }
