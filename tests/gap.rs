@@ -399,9 +399,13 @@ fn a_force_that_is_nearly_all_friction_is_found_with_any_model_and_with_none() {
              tolerance = {{ gain = 0.9, offset = 1 }}\n"
         );
         fs::write(at.join("model.toml"), model).expect("a model");
-        let gap = common::json(&["diagnose", "--model", "model.toml", "--log", "a.csv"], at);
+        let call = ["diagnose", "--model", "model.toml", "--log", "a.csv", "--repair", "r.toml"];
+        let gap = common::json(&call, at);
         assert_eq!(gap["effects"][0]["effect"], "hysteresis", "{gap:#}");
+        // Of what is written.
         assert!(gap["shrink"]["fraction"].as_f64() > Some(0.95), "{gap:#}");
+        let repaired = fs::read_to_string(at.join("r.toml")).expect("the repaired model");
+        assert!(repaired.contains("prandtl-ishlinskii"), "{repaired}");
     }
     let alone = ["diagnose", "--log", "a.csv", "--input", "way", "--output", "force"];
     let gap = common::json(&alone, at);

@@ -333,7 +333,7 @@ fn actuator_with(
             all.add(0.0, weight(linear.first().copied().unwrap_or(0.0) - sum));
             r.iter().zip(weights).for_each(|(r, w)| all.add(r / u, weight(*w)));
             let command: Vec<f64> = o.task.data.command.iter().map(|v| v / u).collect();
-            all.no_negative(&command);
+            all.rising(&command);
             all.written(extended(old, Extension::Plays)?)?
         }
         Block::Operator { component: operator, .. } => {

@@ -4,20 +4,23 @@
 //! ([`invert`](super::play::invert)). Its parameters are the forward model's, so that an identified
 //! model is inverted by copying it.
 //!
-//! * It needs r_1 = 0 and w_1 > 0: only then does every position belong to one command.
+//! * It needs r_1 = 0 and w_1 + … + w_k > 0 for all k: only then does every position belong to one command.
 //! * State: one number per play. At rest it is the virgin state moved monotonically to the
 //!   position, which is the image of the forward model's state at rest: a machine and its inverse
 //!   that are both at rest agree from the first step.
 //!
 //! Limits: those of the forward model; the command is not limited.
 //!
-//! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418.
+//! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418; P. Krejčí, K. Kuhnen, IEE Proceedings Control Theory and
+//! Applications 148 (2001) 185–192.
 
 use model::{Component, Conversion, Declaration, Input, Output, Sizes, Stage, Tick, Violation};
 
 use super::play::invert;
-use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_invertible, check_plays, plays};
-use crate::rules::WRONG_LENGTH;
+use super::prandtl_ishlinskii::{
+    LOADING_W, OFFSET, R, STRUCTURE, check_invertible, check_loading, plays,
+};
+use crate::rules::{WRONG_LENGTH, require_at};
 
 /// The component `inverse-prandtl-ishlinskii`.
 pub struct InversePrandtlIshlinskii;
@@ -36,7 +39,7 @@ static DECLARATION: Declaration = Declaration {
     inputs: &[Input::PATH],
     outputs: &[Output::PATH],
     structure: STRUCTURE,
-    parameters: &[R, W, OFFSET],
+    parameters: &[R, LOADING_W, OFFSET],
 };
 
 impl Component for InversePrandtlIshlinskii {
@@ -61,8 +64,14 @@ impl Component for InversePrandtlIshlinskii {
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
         let (forward, offset) = plays(parameters);
-        check_plays(forward)?;
+        check_loading(forward)?;
         check_invertible(forward)?;
+        let mut slope = 0.0;
+        for (index, weight) in forward.w.iter().enumerate() {
+            slope += weight;
+            let rule = "the weights up to here add up to 0, so that the position stands still: there is no inverse";
+            require_at(slope > 0.0, "w", index, *weight, rule)?;
+        }
         let Some((inverse_offset, arrays)) = coefficients.split_last_mut() else {
             return Err(WRONG_LENGTH);
         };
@@ -138,6 +147,8 @@ mod tests {
     #[test]
     fn inverse_and_forward_are_the_identity_in_both_orders_and_from_rest() {
         both_ways(&parameters(&Y, 0.0), 1);
+        // A friction over a way: what springs that slip have given is taken back.
+        both_ways(&parameters(&[0.05, -0.02, 0.01, -0.03], 0.1), 4);
         both_ways(&parameters(&Z, 2.5e-6), 2);
         both_ways(&parameters(&[0.05], -1e-6), 3);
         let mut random = Random::new(4);

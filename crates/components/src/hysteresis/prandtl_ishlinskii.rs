@@ -4,14 +4,16 @@
 //!
 //! * r_i thresholds in units of the command, 0 ≤ r_1 < r_2 < …; r_1 = 0 gives the part without
 //!   memory, and a model that can be inverted.
-//! * w_i weights in position per command, ≥ 0.
+//! * w_i weights in position per command, of either sign, as long as the virgin curve does not fall: w_1 + … + w_k ≥ 0. A
+//!   negative one takes back what springs that slip have given (a friction force over a way).
 //! * State: one number per play. At rest it is the one after a monotonic move from the virgin state
 //!   (all plays 0) to the command.
 //!
 //! Limits: symmetric (the rising and the falling branch are congruent), independent of rate,
 //! symmetric about the virgin curve. Loop area of one play under ±a: 4 w r (a − r).
 //!
-//! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418.
+//! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418; P. Krejčí, K. Kuhnen, IEE Proceedings Control Theory and
+//! Applications 148 (2001) 185–192 (a rising virgin curve has an inverse).
 
 use model::{
     Component, Conversion, Declaration, Extension, Input, Inverse, Output, Quantity, Role, Sizes,
@@ -40,6 +42,16 @@ pub(super) const W: Quantity = Quantity::new("w", "{position}/{command}", "Weigh
     .min(0.0)
     .per(0)
     .fitted();
+/// The weights of plays alone.
+pub(super) const LOADING_W: Quantity = Quantity::new(
+    "w",
+    "{position}/{command}",
+    "Weight of each play; the first k add up to 0 or more",
+)
+.role(Role::Weight)
+.releases(&effects::HYSTERESIS)
+.per(0)
+.fitted();
 pub(super) const OFFSET: Quantity =
     Quantity::new("offset", "{position}", "Position at zero command in the virgin state")
         .start(0.0)
@@ -57,17 +69,37 @@ static DECLARATION: Declaration = Declaration {
     inputs: &[Input::PATH],
     outputs: &[Output::PATH],
     structure: STRUCTURE,
-    parameters: &[R, W, OFFSET],
+    parameters: &[R, LOADING_W, OFFSET],
 };
 
-/// Checks thresholds and weights.
-pub(super) fn check_plays(plays: Plays<'_>) -> Result<(), Violation> {
+/// Checks thresholds and weights of plays alone: the virgin curve rises, or stands still.
+pub(super) fn check_loading(plays: Plays<'_>) -> Result<(), Violation> {
+    /// Part of the weights that is their rounding.
+    const ROUNDING: f64 = 1e-12;
+    check_thresholds(plays)?;
+    let size: f64 = plays.w.iter().map(|w| w.abs()).sum();
+    require(size > 0.0, "w", size, "the weights are zero: nothing would move; give one")?;
+    let mut slope = 0.0;
+    for (index, weight) in plays.w.iter().enumerate() {
+        slope += weight;
+        let rule = "the weights up to here add up to less than 0, so that the virgin curve would fall; make it larger";
+        require_at(slope >= -ROUNDING * size, "w", index, *weight, rule)?;
+    }
+    Ok(())
+}
+
+fn check_thresholds(plays: Plays<'_>) -> Result<(), Violation> {
     increasing(
         "r",
         plays.r,
         "thresholds start at 0 or above and are strictly increasing; sort them, and add up the \
          weights of equal ones",
-    )?;
+    )
+}
+
+/// Checks thresholds and weights.
+pub(super) fn check_plays(plays: Plays<'_>) -> Result<(), Violation> {
+    check_thresholds(plays)?;
     for (index, weight) in plays.w.iter().enumerate() {
         require_at(*weight >= 0.0, "w", index, *weight, "weights are zero or positive")?;
     }
@@ -125,7 +157,7 @@ impl Component for PrandtlIshlinskii {
         _period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        check_plays(plays(parameters).0)?;
+        check_loading(plays(parameters).0)?;
         kept(parameters, coefficients)
     }
 
@@ -187,8 +219,12 @@ mod tests {
         assert_eq!(refused(&[0.0, 2.0, 1.0, 1.0, 1.0, 1.0, 0.0]), Some(("r", Some(2))));
         assert_eq!(refused(&[0.0, 0.0, 1.0, 1.0, 0.0]), Some(("r", Some(1))));
         assert_eq!(refused(&[-1.0, 0.0, 1.0, 1.0, 0.0]), Some(("r", Some(0))));
-        assert_eq!(refused(&[0.0, 1.0, 1.0, -1.0, 0.0]), Some(("w", Some(1))));
+        assert_eq!(refused(&[0.0, 1.0, 1.0, -1.1, 0.0]), Some(("w", Some(1))));
         assert_eq!(refused(&[0.0, 1.0, 0.0, 0.0, 0.0]), Some(("w", None)));
+        assert_eq!(refused(&[0.0, 1.0, 1.0, -0.9, 0.0]), None);
+        // A friction alone, and numbers that add up to −6e-17.
+        assert_eq!(refused(&[0.0, 1.0, 1.0, -1.0, 0.0]), None);
+        assert_eq!(refused(&[0.0, 1.0, 2.0, 0.3, -0.2, -0.1 - 1e-16, 0.0]), None);
         assert_eq!(refused(&[0.0, 1.0, 1.0, 1.0, 0.0]), None);
     }
 }

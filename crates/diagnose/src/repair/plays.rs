@@ -58,10 +58,18 @@ impl Plays {
 }
 
 impl Plays {
-    /// Where weights are negative, which no component takes: the weights of zero and above that come
-    /// nearest under this command, by least squares.
-    pub(super) fn no_negative(&mut self, command: &[f64]) {
-        if self.pairs.iter().all(|(_, w)| *w >= 0.0) {
+    /// Where the virgin curve falls, which no component takes: the plays whose curve does not, and that come nearest under
+    /// this command, by least squares over `Σ s_k·(P_k − P_{k+1})` with slopes `s_k = w_1 + … + w_k ≥ 0`.
+    pub(super) fn rising(&mut self, command: &[f64]) {
+        let slopes: Vec<f64> = self
+            .pairs
+            .iter()
+            .scan(0.0, |slope, (_, w)| {
+                *slope += w;
+                Some(*slope)
+            })
+            .collect();
+        if slopes.iter().all(|slope| *slope >= 0.0) {
             return;
         }
         let mut states = vec![0.0_f64; self.pairs.len()];
@@ -73,14 +81,19 @@ impl Plays {
             }
             if k % stride == 0 {
                 let y: f64 = states.iter().zip(&self.pairs).map(|(p, (_, w))| p * w).sum();
-                rows.push(states.iter().copied().chain([y]));
+                let next = states[1..].iter().chain([&0.0]);
+                rows.push(states.iter().zip(next).map(|(p, next)| p - next).chain([y]));
             }
         }
         // The written axis is compared with the fitted formulas and tuned again where it is off.
-        let nearest = || self.pairs.iter().map(|(_, w)| w.max(0.0)).collect();
-        let w: Vec<f64> = rows.solve(0).map_or_else(|_| nearest(), |solution| solution.x);
-        self.pairs.iter_mut().zip(w).for_each(|(pair, w)| pair.1 = w);
-        self.pairs.retain(|(r, w)| *w > 0.0 || *r == 0.0);
+        let nearest = || slopes.iter().map(|slope| slope.max(0.0)).collect();
+        let slopes: Vec<f64> = rows.solve(0).map_or_else(|_| nearest(), |solution| solution.x);
+        let mut before = 0.0;
+        for (pair, slope) in self.pairs.iter_mut().zip(slopes) {
+            pair.1 = slope - before;
+            before = slope;
+        }
+        self.pairs.retain(|(r, w)| *w != 0.0 || *r == 0.0);
     }
 }
 
@@ -107,18 +120,18 @@ mod tests {
     }
 
     #[test]
-    fn negative_weights_become_the_nearest_that_a_component_takes() {
+    fn a_curve_that_falls_becomes_the_nearest_that_a_component_takes() {
         let command: Vec<f64> = (0..2000)
             .map(|k| 50.0 - (50.0 - 0.02 * f64::from(k)) * (0.05 * f64::from(k)).cos())
             .collect();
-        let fitted = [(0.0, 0.05), (8.0, -0.01), (20.0, 0.02), (35.0, 0.01)];
+        let fitted = [(0.0, 0.05), (8.0, -0.06), (20.0, 0.07), (35.0, 0.01)];
         let mut plays = Plays { pairs: fitted.to_vec() };
-        plays.no_negative(&command);
-        assert!(
-            plays.pairs.iter().all(|(r, w)| *w > 0.0 || *r == 0.0 && *w == 0.0),
-            "{:?}",
-            plays.pairs
-        );
+        plays.rising(&command);
+        let mut slope = 0.0;
+        for (_, w) in &plays.pairs {
+            slope += w;
+            assert!(slope >= 0.0, "{:?}", plays.pairs);
+        }
         // Nearer than without the negative one, and near.
         let cut: Vec<(f64, f64)> = fitted.iter().map(|(r, w)| (*r, w.max(0.0))).collect();
         let (ours, without) =
@@ -126,7 +139,7 @@ mod tests {
         assert!(ours < 0.2 * without, "{ours} {without}");
         // Weights that a component takes stay as they are.
         let mut allowed = Plays { pairs: cut.clone() };
-        allowed.no_negative(&command);
+        allowed.rising(&command);
         assert_eq!(allowed.pairs, cut);
     }
 }
