@@ -5,7 +5,7 @@ package Inverse "Feedforward: inverses of the hysteresis models"
     extends Interfaces.Inverse;
     parameter Integer plays(min = 1, max = 4096) "Number of play operators";
     parameter Real r[plays](each unit="V", each min = 0) "Threshold of each play, increasing from 0";
-    parameter Real w[plays](each unit="um/V", each min = 0) "Weight of each play";
+    parameter Real w[plays](each unit="um/V") "Weight of each play; the first k add up to 0 or more";
     parameter Real offset(unit="um") = 0 "Position at zero command in the virgin state";
     parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
   protected
@@ -18,7 +18,7 @@ package Inverse "Feedforward: inverses of the hysteresis models"
     end when;
     y = inverse_w*p;
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-63},{-73,-45},{-37,-11},{80,70},{73,52},{46,24},{6,-10},{-80,-70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>inverse-prandtl-ishlinskii</code>. Exact inverse of a Prandtl-Ishlinskii model, given by the forward model's parameters.</p><p><code>u = sum(w'[i]*P[i]); P[i] = max(y - offset - r'[i], min(y - offset + r'[i], P[i])); w'[1] = 1/w[1]; w'[i] = -w[i]/(sum(w[1..i])*sum(w[1..i-1])); r'[i] = sum(w[j]*(r[i] - r[j]), j = 1..i)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>plays` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>4096</td><td>Number of play operators</td></tr><tr><td>r</td><td>{command}</td><td>required</td><td>0</td><td></td><td>Threshold of each play, increasing from 0</td></tr><tr><td>w</td><td>{position}/{command}</td><td>required</td><td>0</td><td></td><td>Weight of each play</td></tr><tr><td>offset</td><td>{position}</td><td>0</td><td></td><td></td><td>Position at zero command in the virgin state</td></tr></table><p>Source: K. Kuhnen, European Journal of Control 9 (2003) 407-418.</p></html>"));
+      Documentation(info="<html><p>Component <code>inverse-prandtl-ishlinskii</code>. Exact inverse of a Prandtl-Ishlinskii model, given by the forward model's parameters.</p><p><code>u = sum(w'[i]*P[i]); P[i] = max(y - offset - r'[i], min(y - offset + r'[i], P[i])); w'[1] = 1/w[1]; w'[i] = -w[i]/(sum(w[1..i])*sum(w[1..i-1])); r'[i] = sum(w[j]*(r[i] - r[j]), j = 1..i)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>plays` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>4096</td><td>Number of play operators</td></tr><tr><td>r</td><td>{command}</td><td>required</td><td>0</td><td></td><td>Threshold of each play, increasing from 0</td></tr><tr><td>w</td><td>{position}/{command}</td><td>required</td><td></td><td></td><td>Weight of each play; the first k add up to 0 or more</td></tr><tr><td>offset</td><td>{position}</td><td>0</td><td></td><td></td><td>Position at zero command in the virgin state</td></tr></table><p>Source: K. Kuhnen, European Journal of Control 9 (2003) 407-418.</p></html>"));
   end InversePrandtlIshlinskii;
 
   block InverseModifiedPrandtlIshlinskii "Exact inverse of a modified Prandtl-Ishlinskii model, given by its parameters"

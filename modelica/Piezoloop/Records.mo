@@ -5,7 +5,7 @@ package Records "Measured and printed values of specimens"
   record EvcY "Elliptical vibration cutting device, axis Y, 0 to 120 V"
     extends Icons.Record;
     parameter Real prandtl_ishlinskii_r[10](each unit="V") = {0, 6, 12, 18, 24, 30, 36, 42, 48, 54} "Threshold of each play, increasing from 0 (printed: 0, 6, ..., 54 V)";
-    parameter Real prandtl_ishlinskii_w[10](each unit="um/V") = {0.01354, 0.0279, 0, 0.004014, 0.007765, 0, 0, 0, 0, 0} "Weight of each play (printed, um/V: quadratic programming on the 1 Hz loop)";
+    parameter Real prandtl_ishlinskii_w[10](each unit="um/V") = {0.01354, 0.0279, 0, 0.004014, 0.007765, 0, 0, 0, 0, 0} "Weight of each play; the first k add up to 0 or more (printed, um/V: quadratic programming on the 1 Hz loop)";
     parameter Real mode_frequency(unit="Hz") = 482.6 "Undamped natural frequency (printed: finite elements, first resonance)";
     parameter Real mode_damping(unit="1") = 0.02 "Damping ratio; 1 is critical (assumed: usual for flexures; the paper does not give it)";
     annotation(Documentation(info="<html><p>Record <code>evc-y</code> of the tool; the source stands at each value.</p></html>"));
@@ -14,7 +14,7 @@ package Records "Measured and printed values of specimens"
   record EvcZ "Elliptical vibration cutting device, axis Z, 0 to 120 V"
     extends Icons.Record;
     parameter Real prandtl_ishlinskii_r[10](each unit="V") = {0, 6, 12, 18, 24, 30, 36, 42, 48, 54} "Threshold of each play, increasing from 0 (printed: 0, 6, ..., 54 V)";
-    parameter Real prandtl_ishlinskii_w[10](each unit="um/V") = {0.02523, 0.04579, 0, 0.004541, 0.001636, 0, 0, 0, 0, 0} "Weight of each play (printed, um/V: quadratic programming on the 1 Hz loop)";
+    parameter Real prandtl_ishlinskii_w[10](each unit="um/V") = {0.02523, 0.04579, 0, 0.004541, 0.001636, 0, 0, 0, 0, 0} "Weight of each play; the first k add up to 0 or more (printed, um/V: quadratic programming on the 1 Hz loop)";
     parameter Real mode_frequency(unit="Hz") = 290.7 "Undamped natural frequency (printed: finite elements, first resonance)";
     parameter Real mode_damping(unit="1") = 0.02 "Damping ratio; 1 is critical (assumed: usual for flexures; the paper does not give it)";
     annotation(Documentation(info="<html><p>Record <code>evc-z</code> of the tool; the source stands at each value.</p></html>"));

@@ -24,6 +24,8 @@ use crate::inputs::{self, LogOptions};
 use crate::pages;
 use crate::ranges;
 
+/// Standard deviation of a parameter, over its value, above which the logs do not determine it.
+const NOT_DETERMINED: f64 = 1e3;
 const NO_MODEL: &str = "no model is given; give one with --model, or --input COLUMN and --output COLUMN to identify a linear one from the logs";
 
 /// Finds the effect that a model lacks, where the gap lies, and how much of it the effect explains
@@ -403,7 +405,12 @@ impl Answer for Diagnosed {
             let indent = if by_output.len() > 1 { "    " } else { "  " };
             for (name, p) in effects.iter().flat_map(|effect| &effect.parameters) {
                 let deviation = p.std.map_or(String::new(), |s| format!(" ± {s:.2e}"));
-                writeln!(out, "{indent}{name} = {:.6}{deviation} {}", p.value, p.unit)?;
+                match p.std.filter(|s| p.value != 0.0 && *s > NOT_DETERMINED * p.value.abs()) {
+                    Some(_) => {
+                        writeln!(out, "{indent}{name}: these logs do not determine it")?;
+                    }
+                    None => writeln!(out, "{indent}{name} = {:.6}{deviation} {}", p.value, p.unit)?,
+                }
             }
         }
         let more = |left: &&Discrepancy| left.rms > gap.shrink.noise_floor;

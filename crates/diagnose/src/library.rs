@@ -288,6 +288,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) command: Span,
     /// Range of the simulated position behind the actuator, and of the output.
     pub(crate) position: Span,
+    /// Root mean square that the re-tuned model leaves, over half the range of the readings.
+    pub(crate) leaves: f64,
     /// Sample time of the log in s.
     pub(crate) sample: f64,
     /// Length of the longest record in s.

@@ -9,6 +9,7 @@ use crate::chain::{Bench, Horizon};
 use crate::converter::Converted;
 use crate::data_set::DataSet;
 use crate::library::Setting;
+use crate::score::mean_square;
 use crate::select::Candidate;
 use crate::task::Task;
 use crate::thresholds::search::Thresholds;
@@ -67,11 +68,13 @@ pub(crate) fn setting<'a>(
     let reading = Converted::new(&simulated, position, residual, training());
     let swings = jitter::frequencies(data, residual, &simulated, sample);
     let half = if position.half > 0.0 { position.half } else { 1.0 };
+    let leaves = sigma * mean_square(residual).sqrt() / data.output_span.half;
     Setting {
         base: &task.base,
         data,
         command: data.command_span,
         position: Span { half, ..position },
+        leaves,
         sample,
         length,
         steepest,

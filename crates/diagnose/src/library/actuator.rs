@@ -5,6 +5,7 @@ use model::Range;
 use surround::{Block, Growth, Loss, Memory, Operator};
 
 use super::{Family, Formula, Free, Setting, Slot};
+use crate::nuisance::Nuisance;
 use crate::path_block::RecordBlock;
 use crate::thresholds::search::Thresholds;
 
@@ -127,6 +128,12 @@ fn creep(s: &Setting<'_>) -> Vec<Formula> {
         })
         .collect();
     let middle = [0.3, 0.1, 0.03, 0.01, 0.003].map(|k| k * s.length);
+    let one = Formula::new("one element")
+        .block(slot, Block::Creep, vec![share("share"), time("time constant")])
+        .starts(middle.map(|t| vec![0.01, t]));
+    // A record that begins soon after a move goes on creeping from there.
+    let mut begun = Formula { name: "one element, begun before the record", ..one.clone() };
+    begun.nuisance = Some(Nuisance::Relaxing { parameter: 1 });
     vec![
         Formula::new("logarithmic")
             .block(
@@ -144,9 +151,8 @@ fn creep(s: &Setting<'_>) -> Vec<Formula> {
             )
             .start(&[0.01, 0.0])
             .screened(1),
-        Formula::new("one element")
-            .block(slot, Block::Creep, vec![share("share"), time("time constant")])
-            .starts(middle.map(|t| vec![0.01, t])),
+        one,
+        begun,
         Formula::new("two elements")
             .block(
                 slot,
@@ -172,53 +178,56 @@ fn creep(s: &Setting<'_>) -> Vec<Formula> {
     ]
 }
 
-/// Weights of plays: as large as makes a loop of three times the range with the least threshold, since the force of a
-/// friction changes within a small part of the range.
-fn weights(s: &Setting<'_>, least: f64) -> impl Fn(&'static str) -> Free + use<> {
-    let slope = s.slope();
-    let most = 3.0 * slope * (2.0 * s.command.half / least).max(1.0);
-    move |name| Free::linear(name, WEIGHT, -most, most).step(1e-3 * slope)
-}
-
 fn hysteresis(s: &Setting<'_>) -> Vec<Formula> {
     let slope = s.slope();
     let half = s.command.half;
+    // A force over a way is nearly all loop, which bends within a small part of the range. Elsewhere so narrow a loop is a
+    // clearance.
+    let is_all_loop = s.leaves > Thresholds::ALL_LOOP;
+    let weight = |name: &'static str, width: f64| {
+        let times = if is_all_loop { (half / width).max(1.0) } else { 1.0 };
+        let most = 3.0 * slope * times;
+        Free::linear(name, WEIGHT, -most, most).step(1e-3 * slope)
+    };
     let with = |name, r: Vec<f64>, gain: bool| {
-        let weight = weights(s, r[0]);
-        let names =
-            gain.then_some("slope").into_iter().chain(WEIGHTS).take(r.len() + usize::from(gain));
-        let parameters: Vec<Free> = names.map(weight).collect();
+        let straight = gain.then(|| weight("slope", r[0]));
+        let own = WEIGHTS.iter().zip(&r).map(|(name, r)| weight(name, *r));
+        let parameters: Vec<Free> = straight.into_iter().chain(own).collect();
         let start = vec![0.0; parameters.len()];
         Formula::new(name)
             .block(Slot::AfterActuator, Block::Plays { r, slope: gain }, parameters)
             .start(&start)
     };
-    let narrow = 0.002 * half;
+    let narrowest = if is_all_loop { 0.002 * half } else { 0.02 * half };
+    let narrow = is_all_loop.then_some(0.01);
     let bouc_wen = Formula::new("Bouc-Wen")
         .block(
             Slot::AfterActuator,
             Block::BoucWen,
             vec![
-                weights(s, narrow)("gain"),
-                Free::log("width", "{command}", narrow, 2.0 * half),
+                weight("gain", narrowest),
+                Free::log("width", "{command}", narrowest, 2.0 * half),
                 Free::linear("part that depends on the direction", "1", 0.0, 1.0).step(0.02),
             ],
         )
-        .starts([0.1, 0.3, 0.01].map(|k| vec![0.02 * slope, k * half, 0.5]))
+        .starts([0.1, 0.3].into_iter().chain(narrow).map(|k| vec![0.02 * slope, k * half, 0.5]))
         .screened(1);
-    vec![
+    let mut all = vec![
         bouc_wen,
         with("two plays", bank(s, 2), false),
         with("four plays", bank(s, 4), false),
         with("four plays and slope", bank(s, 4), true),
         with("eight plays and slope", bank(s, 8), true),
-        with("eight plays and slope, most of them narrow", narrow_bank(s, 8), true),
-    ]
+    ];
+    if is_all_loop {
+        all.push(with("eight plays and slope, most of them narrow", narrow_bank(s, 8), true));
+    }
+    all
 }
 
-/// Thresholds from 0.4 % of the range to half of it, each so many times the one before.
+/// Thresholds from 0.4 to 35 % of the range, each so many times the one before.
 fn narrow_bank(s: &Setting<'_>, count: usize) -> Vec<f64> {
-    let (least, most) = (0.008 * s.command.half, s.command.half);
+    let (least, most) = (0.008 * s.command.half, 0.7 * s.command.half);
     let times = (most / least).powf(1.0 / (count - 1) as f64);
     (0..count).map(|k| least * times.powi(k as i32)).collect()
 }

@@ -55,6 +55,7 @@ fn setting<'a>(base: &'a Base, data: &'a DataSet) -> Setting<'a> {
         data,
         command: data.command_span,
         position: data.output_span,
+        leaves: 0.1,
         sample: 1e-3,
         length: 0.4,
         steepest: 3000.0,

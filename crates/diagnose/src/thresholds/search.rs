@@ -142,4 +142,6 @@ impl Thresholds {
         let steps = ((greatest / least).ln() / Self::RESONANCE_STEP.ln()).ceil() as i32;
         (0..=steps).map(move |k| least * Self::RESONANCE_STEP.powi(k))
     }
+    /// Root mean square that a model leaves, over half the range of the readings, from which nearly all is loop.
+    pub(crate) const ALL_LOOP: f64 = 0.2;
 }
