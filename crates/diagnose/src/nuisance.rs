@@ -21,11 +21,6 @@ pub(crate) enum Nuisance {
         /// Number of the time constant.
         parameter: usize,
     },
-    /// `exp(−t/τ)`: what was under way when the record began; τ as above.
-    Relaxing {
-        /// Number of the time constant.
-        parameter: usize,
-    },
     /// Sines and cosines of a frequency and its multiples.
     Lines {
         /// Number of the frequency's parameter.
@@ -55,7 +50,6 @@ impl Nuisance {
     pub(crate) fn shifted(&self, first: usize) -> Self {
         match self {
             Self::Settling { parameter } => Self::Settling { parameter: parameter + first },
-            Self::Relaxing { parameter } => Self::Relaxing { parameter: parameter + first },
             Self::Lines { parameter, harmonics } => {
                 Self::Lines { parameter: parameter + first, harmonics: *harmonics }
             }
@@ -84,7 +78,6 @@ impl Nuisance {
     pub(crate) fn count(&self) -> usize {
         match self {
             Self::Drift { order } => *order,
-            Self::Relaxing { .. } => 1,
             Self::Settling { .. } | Self::Modulation { .. } | Self::Jitter { .. } => 2,
             Self::Lines { harmonics, .. } => 2 * harmonics,
             Self::Knots { count } => *count,
@@ -99,7 +92,6 @@ impl Nuisance {
         let slow = |count: usize| (1..=count).map(|k| (0.5 * k as f64 + 0.18) / length).collect();
         match self {
             Self::Drift { order: count } | Self::Knots { count } => slow(*count),
-            Self::Relaxing { .. } => slow(1),
             Self::Settling { .. } => slow(2),
             Self::Lines { parameter, harmonics } => {
                 (1..=*harmonics).flat_map(|k| [value(*parameter) * k as f64; 2]).collect()
@@ -128,7 +120,6 @@ impl Nuisance {
                     row.push(power);
                 }
             }
-            Self::Relaxing { parameter } => row.push((-t / value(*parameter)).exp()),
             Self::Settling { parameter } => {
                 row.push((-t / value(*parameter)).exp());
                 row.push(z);
@@ -336,7 +327,6 @@ pub(crate) fn relevant(nuisances: &[Nuisance], values: &[f64]) -> Vec<f64> {
         .iter()
         .filter_map(|n| match n {
             Nuisance::Settling { parameter }
-            | Nuisance::Relaxing { parameter }
             | Nuisance::Lines { parameter, .. }
             | Nuisance::Modulation { parameter }
             | Nuisance::Jitter { parameter } => values.get(*parameter).copied(),

@@ -5,7 +5,6 @@ use model::Range;
 use surround::{Block, Growth, Loss, Memory, Operator};
 
 use super::{Family, Formula, Free, Setting, Slot};
-use crate::nuisance::Nuisance;
 use crate::path_block::RecordBlock;
 use crate::thresholds::search::Thresholds;
 
@@ -128,12 +127,6 @@ fn creep(s: &Setting<'_>) -> Vec<Formula> {
         })
         .collect();
     let middle = [0.3, 0.1, 0.03, 0.01, 0.003].map(|k| k * s.length);
-    let one = Formula::new("one element")
-        .block(slot, Block::Creep, vec![share("share"), time("time constant")])
-        .starts(middle.map(|t| vec![0.01, t]));
-    // A record that begins soon after a move goes on creeping from there.
-    let mut begun = Formula { name: "one element, begun before the record", ..one.clone() };
-    begun.nuisance = Some(Nuisance::Relaxing { parameter: 1 });
     vec![
         Formula::new("logarithmic")
             .block(
@@ -151,8 +144,9 @@ fn creep(s: &Setting<'_>) -> Vec<Formula> {
             )
             .start(&[0.01, 0.0])
             .screened(1),
-        one,
-        begun,
+        Formula::new("one element")
+            .block(slot, Block::Creep, vec![share("share"), time("time constant")])
+            .starts(middle.map(|t| vec![0.01, t])),
         Formula::new("two elements")
             .block(
                 slot,
