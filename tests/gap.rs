@@ -225,6 +225,12 @@ fn the_page_lives_in_a_real_browser_without_errors_and_without_a_network() {
     assert!(title.trim().ends_with("problems"), "{title}");
 }
 
+/// White noise from −1 to 1.
+fn white(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
+}
+
 /// A log of plays behind falling swings, then growing ones, with noise of ±3 nm; `kept` is the part of its last distance to the
 /// plays that the reading keeps in a row, as behind a lag.
 fn log_of_plays(kept: f64) -> String {
@@ -235,9 +241,7 @@ fn log_of_plays(kept: f64) -> String {
         let t = period * f64::from(k);
         let size = if t < 1.5 { 45.0 - 24.0 * t } else { 9.0 + 24.0 * (t - 1.5) };
         let u = size * (std::f64::consts::TAU * 4.0 * t).sin();
-        noise =
-            noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let off = 0.003 * ((noise >> 33) as f64 / f64::from(1_u32 << 30) - 1.0);
+        let off = 0.003 * white(&mut noise);
         csv.push_str(&format!("{t},{u},{}\n", reading + off));
         let moved = [3.0, 9.0, 20.0].iter().zip(&mut plays).map(|(r, z)| {
             *z = (u - r).max((u + r).min(*z));
@@ -373,9 +377,7 @@ fn log_of_friction() -> String {
         let t = 0.01 * f64::from(k);
         let phase = (0.25 * t + 0.25).fract();
         let way = (20.0 - 0.35 * t) * (4.0 * (phase - 0.5).abs() - 1.0);
-        noise =
-            noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let off = 0.2 * ((noise >> 33) as f64 / f64::from(1_u32 << 30) - 1.0);
+        let off = 0.2 * white(&mut noise);
         slip = (way - 3.0).max((way + 3.0).min(slip));
         csv.push_str(&format!(
             "{t:.2},{way:.5},{:.5}\n",
@@ -435,10 +437,7 @@ fn dynamics_that_a_limit_hides_belong_to_the_linear_model() {
         let omega = std::f64::consts::TAU * 90.0;
         for k in 0..3000 {
             let (t, u) = (1e-3 * f64::from(k), command(k));
-            noise = noise
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            let off = 0.01 * ((noise >> 33) as f64 / f64::from(1_u32 << 30) - 1.0);
+            let off = 0.01 * white(&mut noise);
             csv.push_str(&format!("{t},{u},{}\n", place + off));
             for _ in 0..50 {
                 place += 1e-5 * rate;

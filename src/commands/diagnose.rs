@@ -405,11 +405,11 @@ impl Answer for Diagnosed {
             let indent = if by_output.len() > 1 { "    " } else { "  " };
             for (name, p) in effects.iter().flat_map(|effect| &effect.parameters) {
                 let deviation = p.std.map_or(String::new(), |s| format!(" ± {s:.2e}"));
-                match p.std.filter(|s| p.value != 0.0 && *s > NOT_DETERMINED * p.value.abs()) {
-                    Some(_) => {
-                        writeln!(out, "{indent}{name}: these logs do not determine it")?;
-                    }
-                    None => writeln!(out, "{indent}{name} = {:.6}{deviation} {}", p.value, p.unit)?,
+                let most = NOT_DETERMINED * p.value.abs();
+                if p.value != 0.0 && p.std.is_some_and(|s| s > most) {
+                    writeln!(out, "{indent}{name}: these logs do not determine it")?;
+                } else {
+                    writeln!(out, "{indent}{name} = {:.6}{deviation} {}", p.value, p.unit)?;
                 }
             }
         }

@@ -143,8 +143,9 @@ impl Diagnosis {
         repaired_fmu::pack(fmu.package(), &repair, notes, libraries)
     }
 
-    /// The blueprint that was diagnosed with re-tuned values and the linear dynamics that were found (modes, lags,
-    /// delays and what passes from the command to the reading); none where none were. A model that was identified from the same logs may lack them, whatever the machine is.
+    /// The blueprint that was diagnosed with re-tuned values and the linear dynamics that were found (modes, lags, delays,
+    /// and what passes from the command to the reading); none where none were. A model that was identified from the same
+    /// logs may lack them, whatever the machine is.
     #[must_use]
     pub fn linear_parts(&self, blueprint: &data::Blueprint) -> Option<data::Blueprint> {
         let mut completed = blueprint.clone();
@@ -189,8 +190,8 @@ impl Diagnosis {
     }
 }
 
-/// Whether an effect of this name is linear dynamics (a mode, a lag, a delay, a feedthrough), which a model that was identified from the
-/// same logs may lack.
+/// Whether an effect of this name is linear dynamics (a mode, a lag, a delay, a feedthrough), which a model that was
+/// identified from the same logs may lack.
 #[must_use]
 pub fn is_linear(effect: &str) -> bool {
     repair::LINEAR.iter().any(|linear| linear.name == effect)

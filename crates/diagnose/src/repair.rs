@@ -52,15 +52,8 @@ pub(crate) fn repair(
     }
     retune(&o.task.base, (&last.chain, &last.fit.theta), o, (blueprint, axis));
     let given = blueprint.clone();
-    let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
     let mut changes: Vec<Change> = Vec::new();
-    for (family, number) in &last.picks {
-        let effect = o.library[*family].effect.name;
-        let formula = &o.library[*family].formulas[*number];
-        let values: Vec<f64> = (first..first + formula.parameters.len())
-            .map(|k| last.chain.parameters[k].value(last.fit.theta[k]))
-            .collect();
-        first += formula.parameters.len();
+    for (effect, formula, values) in found(o, last) {
         // What changes the actuator or a mode builds on what was changed there before.
         let axis_now = &apply(&given, axis, &changes).axes[axis - 1].clone();
         let Some(own) = write(o, last, effect, formula, &values, (&given.axes[axis - 1], axis_now))
@@ -127,6 +120,21 @@ pub(crate) fn repair(
     (notes, Some(base.judged.clone()))
 }
 
+/// The effects of a candidate: name, formula, values of its parameters.
+pub(crate) fn found<'a>(
+    o: &'a Outcome,
+    candidate: &'a Candidate,
+) -> impl Iterator<Item = (&'static str, &'a Formula, Vec<f64>)> {
+    let parameters = candidate.chain.parameters.iter().zip(&candidate.fit.theta);
+    let mut own = parameters.skip_while(|(p, _)| p.is_base);
+    candidate.picks.iter().map(move |(family, number)| {
+        let family = &o.library[*family];
+        let formula = &family.formulas[*number];
+        let values = own.by_ref().take(formula.parameters.len()).map(|(p, q)| p.value(*q));
+        (family.effect.name, formula, values.collect())
+    })
+}
+
 /// Effects that are linear dynamics: what a model that was identified from the same logs may lack, whatever the machine is.
 pub(crate) const LINEAR: [&Effect; 4] = [
     &effects::EXTRA_MODE,
@@ -141,22 +149,13 @@ pub(crate) fn linear_parts(o: &Outcome, axis: usize, blueprint: &mut Blueprint) 
     let last = &o.found.last;
     retune(&o.task.base, (&last.chain, &last.fit.theta), o, (blueprint, axis));
     let given = blueprint.clone();
-    let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
     let (mut changes, mut has_any) = (Vec::new(), false);
-    for (family, number) in &last.picks {
-        let effect = o.library[*family].effect;
-        let formula = &o.library[*family].formulas[*number];
-        let own = first..first + formula.parameters.len();
-        first = own.end;
-        if !LINEAR.iter().any(|linear| linear.name == effect.name) {
-            continue;
-        }
-        let values: Vec<f64> =
-            own.map(|k| last.chain.parameters[k].value(last.fit.theta[k])).collect();
+    let all = found(o, last);
+    for (effect, formula, values) in all.filter(|(effect, ..)| crate::is_linear(effect)) {
         let axis_now = &apply(&given, axis, &changes).axes[axis - 1].clone();
         let axes = (&given.axes[axis - 1], axis_now);
         let own = first_mode(o, formula, &values)
-            .or_else(|| write(o, last, effect.name, formula, &values, axes));
+            .or_else(|| write(o, last, effect, formula, &values, axes));
         has_any |= own.is_some() || !formula.releases.is_empty();
         changes.extend(own.unwrap_or_default());
     }

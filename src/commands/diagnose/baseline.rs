@@ -63,8 +63,7 @@ impl Generated {
         for (axis, spec) in blueprint.axes.iter_mut().zip(&checked.spec().axes) {
             for (part, node) in axis.components.iter_mut().zip(&spec.components) {
                 for (name, _, _) in fitted(node).filter(|(_, _, value)| *value != 0.0) {
-                    let least = if name == "damping" { LEAST_OF_DAMPING } else { LEAST };
-                    part.tolerance.entry(name.to_owned()).or_insert(least);
+                    part.tolerance.entry(name.to_owned()).or_insert(least_tolerance(name));
                 }
             }
         }
@@ -432,14 +431,18 @@ fn give_tolerances(
                 };
                 all.iter().find(is_own)?.deviation
             });
-            let least = if name == "damping" { LEAST_OF_DAMPING } else { LEAST };
             let relative = deviation.map_or(0.0, |d| ERRORS * d / value.abs());
             if value != 0.0 {
-                part.tolerance.insert(name.to_owned(), relative.max(least));
+                part.tolerance.insert(name.to_owned(), relative.max(least_tolerance(name)));
             }
         }
     }
     Ok(())
+}
+
+/// The least tolerance of a parameter of this name.
+fn least_tolerance(name: &str) -> f64 {
+    if name == "damping" { LEAST_OF_DAMPING } else { LEAST }
 }
 
 /// Name, unit and value of each scalar parameter of a component that is fitted.

@@ -205,15 +205,7 @@ impl<'a> Maker<'a> {
 
     /// The named effects of one output.
     fn effects(&mut self, o: &Outcome) -> Result<(), Error> {
-        let last = &o.found.last;
-        let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
-        for (family, number) in &last.picks {
-            let name = o.library[*family].effect.name;
-            let formula = &o.library[*family].formulas[*number];
-            let values: Vec<f64> = (first..first + formula.parameters.len())
-                .map(|k| last.chain.parameters[k].value(last.fit.theta[k]))
-                .collect();
-            first += formula.parameters.len();
+        for (name, formula, values) in crate::repair::found(o, &o.found.last) {
             self.effect(o, name, formula, &values)?;
         }
         Ok(())
