@@ -8,6 +8,8 @@
 use nalgebra::{DMatrix, DVector};
 use ndarray::{Array1, Array2};
 
+use crate::qr::triangle;
+
 /// Rows that are reduced at a time.
 const BLOCK: usize = 512;
 /// Largest scaled violation of the optimality conditions that counts as zero.
@@ -71,7 +73,7 @@ impl Reduced {
         let mut stacked = DMatrix::zeros(kept + fresh, width);
         stacked.rows_mut(0, kept).copy_from(&self.factor);
         stacked.rows_mut(kept, fresh).copy_from(&block);
-        self.factor = if stacked.nrows() > width { stacked.qr().r() } else { stacked };
+        self.factor = if stacked.nrows() > width { triangle(stacked) } else { stacked };
     }
 
     /// min ‖A x − b‖ where the first `free` unknowns have any sign and the others are ≥ 0.
@@ -85,7 +87,7 @@ impl Reduced {
         self.reduce();
         let free = free.min(self.columns);
         if free > 0 {
-            self.factor = core::mem::replace(&mut self.factor, DMatrix::zeros(0, 0)).qr().r();
+            self.factor = triangle(core::mem::take(&mut self.factor));
         }
         let (matrix, target) = self.split();
         if !matrix.iter().chain(target.iter()).all(|v| v.is_finite()) {

@@ -3,6 +3,7 @@
 
 pub mod fft;
 pub mod least_squares;
+pub mod qr;
 pub mod random;
 pub mod spectrum;
 pub mod threads;

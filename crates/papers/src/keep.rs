@@ -28,6 +28,12 @@ impl Kept {
         &self.blueprints
     }
 
+    /// Keeps what another one keeps.
+    pub(crate) fn take(&mut self, other: Self) {
+        self.logs.extend(other.logs);
+        self.blueprints.extend(other.blueprints);
+    }
+
     /// Keeps a rig.
     pub(crate) fn rig(&mut self, name: &'static str, rig: &str) -> anyhow::Result<()> {
         if let Some(rig) = rigs::find(rig) {

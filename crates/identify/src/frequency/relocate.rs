@@ -11,6 +11,7 @@
 //! Compon. Lett. 18 (2008) 383-385.
 
 use nalgebra::{DMatrix, DVector};
+use numerics::qr::triangle;
 use rayon::prelude::*;
 
 use super::Complex;
@@ -32,6 +33,12 @@ impl Samples<'_> {
     fn elements(&self) -> Vec<(usize, usize)> {
         let (rows, columns) = self.response[0].shape();
         (0..columns).flat_map(|i| (0..rows).map(move |o| (o, i))).collect()
+    }
+
+    /// Weight and weighted response of an element, line by line.
+    fn of(&self, place: (usize, usize)) -> (Vec<f64>, Vec<Complex>) {
+        let weighted = self.weight.iter().zip(self.response);
+        weighted.map(|(weight, g)| (weight[place], g[place] * weight[place])).unzip()
     }
 }
 
@@ -74,6 +81,12 @@ impl Basis {
         row
     }
 
+    /// φ_1 … φ_n and 1 at each x, a row each.
+    fn on(&self, variable: &[Complex]) -> DMatrix<Complex> {
+        let rows = variable.iter().flat_map(|x| self.at(*x));
+        DMatrix::from_row_iterator(variable.len(), self.width() + 1, rows)
+    }
+
     /// The zeros of d + Σ c_k φ_k.
     fn zeros(&self, c: &[f64]) -> Vec<Complex> {
         let n = self.width();
@@ -101,40 +114,36 @@ impl Basis {
     }
 }
 
-/// Rows of the least squares: real parts above imaginary parts, weighted, columns scaled by the
-/// caller.
-fn stacked(rows: &[Vec<Complex>], weight: impl Fn(usize) -> f64) -> DMatrix<f64> {
-    let (count, width) = (rows.len(), rows.first().map_or(0, Vec::len));
-    DMatrix::from_fn(2 * count, width, |r, c| {
-        let (k, imaginary) = if r < count { (r, false) } else { (r - count, true) };
-        let value = rows[k][c];
-        weight(k) * if imaginary { value.im } else { value.re }
-    })
+/// Rows of the least squares: real parts above imaginary parts.
+fn stacked(rows: usize, columns: usize, value: impl Fn(usize, usize) -> Complex) -> DMatrix<f64> {
+    let mut stacked = DMatrix::zeros(2 * rows, columns);
+    for (c, mut column) in stacked.column_iter_mut().enumerate() {
+        for r in 0..rows {
+            let value = value(r, c);
+            (column[r], column[rows + r]) = (value.re, value.im);
+        }
+    }
+    stacked
 }
 
 /// One round: the poles moved.
 pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, Error> {
     let n = basis.width();
-    let phi: Vec<Vec<Complex>> = samples.variable.iter().map(|x| basis.at(*x)).collect();
+    let phi = basis.on(samples.variable);
+    let lines = phi.nrows();
     let elements = samples.elements();
     // What each element says about σ; and that σ is one on average.
     let mut stack = DMatrix::zeros(elements.len() * (n + 1) + 1, n + 1);
     let mut scale = 0.0_f64;
-    let triangle = |&(o, i): &(usize, usize)| {
-        let both: Vec<Vec<Complex>> = phi
-            .iter()
-            .zip(samples.response)
-            .map(|(phi, g)| {
-                let right = phi.iter().map(|p| -p * g[(o, i)]);
-                phi.iter().copied().chain(right).collect()
-            })
-            .collect();
-        let weight = |k: usize| samples.weight[k][(o, i)];
-        let power = |k: usize| (weight(k) * samples.response[k][(o, i)].norm()).powi(2);
-        let power: f64 = (0..phi.len()).map(power).sum();
-        (stacked(&both, weight).qr().unpack_r(), power)
+    let element = |&place: &(usize, usize)| {
+        let (weight, response) = samples.of(place);
+        let both = stacked(lines, 2 * (n + 1), |k, c| match c.checked_sub(n + 1) {
+            None => phi[(k, c)] * weight[k],
+            Some(c) => -phi[(k, c)] * response[k],
+        });
+        (triangle(both), response.iter().map(Complex::norm_sqr).sum())
     };
-    let triangles: Vec<(DMatrix<f64>, f64)> = elements.par_iter().map(triangle).collect();
+    let triangles: Vec<(DMatrix<f64>, f64)> = elements.par_iter().map(element).collect();
     for (e, (triangle, power)) in triangles.iter().enumerate() {
         scale += power;
         for r in 0..=n {
@@ -145,13 +154,13 @@ pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, E
             }
         }
     }
-    let strength = scale.sqrt() / phi.len() as f64;
+    let strength = scale.sqrt() / lines as f64;
     let last = elements.len() * (n + 1);
     for c in 0..=n {
-        stack[(last, c)] = strength * phi.iter().map(|row| row[c].re).sum::<f64>();
+        stack[(last, c)] = strength * phi.column(c).iter().map(|x| x.re).sum::<f64>();
     }
     let mut right = DVector::zeros(last + 1);
-    right[last] = strength * phi.len() as f64;
+    right[last] = strength * lines as f64;
     let mut c = least_squares(stack, &right)?.as_slice().to_vec();
     // A σ without its constant has no zeros to go to.
     let least = 1e-8;
@@ -181,11 +190,15 @@ fn at(matrix: &DMatrix<f64>, row: usize, column: usize) -> Option<f64> {
 /// Least squares with columns of length one.
 fn least_squares(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Result<DVector<f64>, Error> {
     let norms = scaled_columns(&mut matrix);
-    let qr = matrix.qr();
-    let mut projected = right.clone();
-    qr.q_tr_mul(&mut projected);
-    let found = qr.r().solve_upper_triangular(&projected.rows(0, norms.len()));
-    let solution = found.map(|x| x.component_div(&norms));
+    let width = norms.len();
+    let mut both = matrix.insert_column(width, 0.0);
+    both.set_column(width, right);
+    let r = triangle(both);
+    let rows = width.min(r.nrows());
+    let found = r
+        .view((0, 0), (rows, width.min(rows)))
+        .solve_upper_triangular(&r.view((0, width), (rows, 1)));
+    let solution = found.map(|x| x.column(0).component_div(&norms));
     let finite = solution.filter(|x| x.iter().all(|x| x.is_finite()));
     finite.ok_or(Error::no_solution("the fit's poles coincide"))
 }
@@ -208,12 +221,12 @@ pub(super) fn residues(
     samples: &Samples<'_>,
     delay: f64,
 ) -> Result<(Rational, f64), Error> {
-    let phi: Vec<Vec<Complex>> = samples.variable.iter().map(|x| basis.at(*x)).collect();
-    let element = |&(o, i): &(usize, usize)| {
-        let weight = |k: usize| samples.weight[k][(o, i)];
-        let matrix = stacked(&phi, weight);
-        let values: Vec<Vec<Complex>> = samples.response.iter().map(|g| vec![g[(o, i)]]).collect();
-        let right = stacked(&values, weight).column(0).into_owned();
+    let phi = basis.on(samples.variable);
+    let lines = phi.nrows();
+    let element = |&place: &(usize, usize)| {
+        let (weight, response) = samples.of(place);
+        let matrix = stacked(lines, phi.ncols(), |k, c| phi[(k, c)] * weight[k]);
+        let right = stacked(lines, 1, |k, _| response[k]).column(0).into_owned();
         let c = least_squares(matrix.clone(), &right)?;
         let squares = (right - matrix * &c).norm_squared();
         Ok((c.as_slice().to_vec(), squares))
@@ -221,7 +234,7 @@ pub(super) fn residues(
     let fitted = samples.elements().par_iter().map(element).collect::<Result<Vec<_>, Error>>()?;
     let sum: f64 = fitted.iter().map(|(_, squares)| squares).sum();
     let all: Vec<Vec<f64>> = fitted.into_iter().map(|(c, _)| c).collect();
-    let count = (phi.len() * all.len()) as f64;
+    let count = (lines * all.len()) as f64;
     let shape = samples.response[0].shape();
     Ok((Rational::from_coefficients(basis, shape, &all, delay), sum / count))
 }

@@ -170,7 +170,11 @@ pub const PAPERS: [&str; 5] = ["p0", "p1", "p2", "p3", "p4"];
 ///
 /// # Errors
 /// For an unknown paper, and where a model cannot be found.
-pub fn run(paper: &str, effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub fn run(
+    paper: &str,
+    effort: Effort,
+    say: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<Reproduction> {
     let answer = match paper {
         "p0" => p0::run(effort, say),
         "p1" => p1::run(effort, say),
@@ -198,6 +202,17 @@ impl Reproduction {
             self.left_out.push(what);
         }
         effort.is_quick()
+    }
+
+    /// Adds what a part of it gave.
+    fn take(&mut self, part: Self) {
+        self.rows.extend(part.rows);
+        self.orders.extend(part.orders);
+        self.remarks.extend(part.remarks);
+        self.left_out.extend(part.left_out);
+        self.matched.extend(part.matched);
+        self.chapters.extend(part.chapters);
+        self.kept.take(part.kept);
     }
 
     /// The same, of this part of a paper.

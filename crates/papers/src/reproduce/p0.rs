@@ -126,7 +126,7 @@ struct Left {
     from: [f64; 2],
 }
 
-pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(effort: Effort, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Reproduction> {
     let records = records()?;
     let mut answer = Reproduction::default();
     let quick = answer.leaves_out(
@@ -200,7 +200,7 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
 const PLAYS: usize = 20;
 
 /// Ours: plays between two curves, with creep, delay and lag, fitted to records H and D, in simulation as all.
-fn plays(answer: &mut Reproduction, say: &dyn Fn(&str)) -> anyhow::Result<()> {
+fn plays(answer: &mut Reproduction, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result<()> {
     say("plays between two curves");
     let of = |name: &str| response(machines::P0, name, &[], 1.0);
     let (h, d) = (of("p0-train-h")?, of("p0-train-d")?);
@@ -241,7 +241,7 @@ fn forward(
     method: &Method,
     records: &Records,
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<Left> {
     let name = method.name;
     say(&format!("{name}: training on 4000 samples, and pruning"));

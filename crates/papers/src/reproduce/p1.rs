@@ -129,7 +129,7 @@ pub(super) fn is_command(input: usize) -> usize {
 pub(super) fn series(
     train: &[Run<'_>],
     period: f64,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<(Series, String)> {
     let pairs: Vec<(&[f64], &[f64])> =
         train.iter().map(|run| (run.command, run.position)).collect();
@@ -210,7 +210,7 @@ pub(crate) fn milliseconds(samples: usize, run: &dyn Fn() -> Vec<f64>) -> f64 {
     1e3 * start.elapsed().as_secs_f64() / built.max(1) as f64
 }
 
-pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(effort: Effort, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Reproduction> {
     let records = records()?;
     let pairs = records.pairs();
     let period = records.train[0].period;
@@ -385,7 +385,7 @@ fn step_times(
 fn numbers_of_stops(
     records: &Records,
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<()> {
     let pairs = records.pairs();
     let run = &records.train[1];
@@ -420,7 +420,11 @@ fn numbers_of_stops(
 }
 
 /// Other ways inside the paper's method; each is a row by itself.
-fn tried(records: &Records, answer: &mut Reproduction, say: &dyn Fn(&str)) -> anyhow::Result<()> {
+fn tried(
+    records: &Records,
+    answer: &mut Reproduction,
+    say: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<()> {
     let period = records.train[0].period;
     let pairs = records.pairs();
     let frame = stops_and_rate(STOPS, (RANGE, Span::UNIT, period), &pairs);

@@ -342,7 +342,7 @@ fn records(way: Way) -> anyhow::Result<[Record; 3]> {
 fn tried(
     records: &[Record; 3],
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<()> {
     let of = |values: &[f64], scale: f64| {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -386,7 +386,7 @@ fn tried(
     Ok(())
 }
 
-pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(effort: Effort, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Reproduction> {
     let records = records(PRINTED)?;
     let mut answer = Reproduction::default();
     for name in ["p2-train", "p2-test-1", "p2-test-2"] {

@@ -305,7 +305,7 @@ fn simulated_by(model: &CheckedBlueprint, run: &Response) -> anyhow::Result<Vec<
     Ok(simulated(model, &run)?.split_off(1))
 }
 
-pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(effort: Effort, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Reproduction> {
     let chirp = response(machines::P3, "p3-chirp", &[], 1.0 / AMPLIFIER)?;
     let mut answer = Reproduction::default();
     let quick = answer.leaves_out(
@@ -451,7 +451,7 @@ fn tried(
     chirp: &Response,
     tests: &[Record],
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<()> {
     let error = |machine: &Machine, record: &Record| {
         percent(&machine.simulate(&record.run.command, record.run.position[0]), record)

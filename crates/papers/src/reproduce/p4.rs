@@ -11,6 +11,7 @@ use data::{AxisBlueprint, CheckedBlueprint, ComponentBlueprint, Value};
 use identify::learned::rms_difference;
 use learned::tune::{Swarm, particle_swarm};
 use model::NodeSpec;
+use rayon::prelude::*;
 
 use super::figures::{self, Chapter};
 use super::{Aim, Effort, Order, Reproduction, Response, Row, response_of};
@@ -249,120 +250,12 @@ fn tried(
     Ok(())
 }
 
-pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(effort: Effort, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Reproduction> {
     let mut answer = Reproduction::default();
     let quick = answer.leaves_out(effort, "ours, what was tried");
-    let thresholds: Vec<f64> = (0..10).map(|i| 6.0 * f64::from(i)).collect();
-    let of = |method: Option<&'static str>| Baseline {
-        method,
-        thresholds: thresholds.clone(),
-        levels: 2,
-        dynamic: false,
-    };
-    for (axis, name) in [(1, "Y"), (2, "Z")] {
-        let at = axis - 1;
-        let loops =
-            FITTED.iter().map(|f| Loops::new(axis, f)).collect::<anyhow::Result<Vec<_>>>()?;
-        let judged =
-            JUDGED.iter().map(|f| Loops::new(axis, f)).collect::<anyhow::Result<Vec<_>>>()?;
-        say(&format!("{name}: static model of 1 Hz"));
-        let fixed = of(None).fit(&[&loops[0].run])?;
-        let slow = loops[0].error(&fixed)?;
-        say(&format!("{name}: dynamic model, its weights kept, alpha and beta by the swarm"));
-        let form = Form::new(&fixed, &thresholds, &loops, Per::Second)?;
-        let ((rates, reached), (_, least)) = (form.by_swarm(), form.least());
-        let own = dynamic(&fixed, &rates)?;
-        say(&format!("{name}: generalised plays (GRPI)"));
-        let records =
-            FITTED.iter().map(|f| together(axis, f)).collect::<anyhow::Result<Vec<_>>>()?;
-        let records: Vec<&Response> = records.iter().collect();
-        let grpi = of(Some("grpi")).fit(&records)?;
-        let ours_errors = match quick {
-            true => None,
-            false => {
-                say(&format!("{name}: plays between two curves, with creep, lag and mode"));
-                let ours = Baseline {
-                    method: Some("curved-prandtl-ishlinskii"),
-                    thresholds: (0..20).map(|i| 3.0 * f64::from(i)).collect(),
-                    levels: 2,
-                    dynamic: true,
-                };
-                let ours = ours.fit(&records)?;
-                Some(errors(&ours, &judged)?)
-            }
-        };
-        let [own_errors, grpi_errors, fixed_errors] =
-            [errors(&own, &judged)?, errors(&grpi, &judged)?, errors(&fixed, &judged)?];
-        let row = |what: String, paper: f64, own: f64, aim: Aim| {
-            Row::new(ID, what, "um", paper, own, aim)
-        };
-        answer.rows.push(row(
-            format!("{name}, 1 Hz, static Prandtl-Ishlinskii"),
-            [0.0881, 0.1432][at],
-            slow,
-            Aim::Baseline,
-        ));
-        for (k, frequency) in JUDGED.iter().enumerate() {
-            let what = |model: &str| format!("{name}, {frequency} Hz, {model}");
-            let pair = |x: [[f64; 2]; 2]| x[at][k];
-            let main = Row::ratio(
-                ID,
-                what("dynamic Prandtl-Ishlinskii"),
-                "um",
-                [pair(DYNAMIC), pair(STATIC)],
-                [own_errors[k], fixed_errors[k]],
-            );
-            answer.rows.push(Row { ours: ours_errors.map(|errors| errors[k]), ..main });
-            answer.rows.push(row(
-                what("generalised plays (GRPI)"),
-                pair(GRPI),
-                grpi_errors[k],
-                Aim::ForComparison,
-            ));
-            answer.rows.push(row(
-                what("static Prandtl-Ishlinskii"),
-                pair(STATIC),
-                fixed_errors[k],
-                Aim::Baseline,
-            ));
-            let mut order = |what: &str, holds: bool| {
-                let what = format!("{name}, {frequency} Hz: {what}");
-                answer.orders.push(Order { paper_id: ID, what, holds });
-            };
-            order("dynamic better than static", own_errors[k] < fixed_errors[k]);
-            order("dynamic better than generalised plays", own_errors[k] < grpi_errors[k]);
-        }
-        for (frequency, Loops { run, .. }) in FITTED.iter().zip(&loops) {
-            let simulated = simulated(&own, run)?;
-            answer.kept.record(
-                &format!("{name}-{frequency}-hz"),
-                UNITS,
-                run,
-                Some(&simulated[1..]),
-            )?;
-        }
-        if axis == 1 {
-            answer.kept.model("p4_model", &own);
-        }
-        if !quick {
-            say(&format!("{name}: what was tried"));
-            let of_ten = of(None).fit(&[&loops[1].run])?;
-            let of_all = of(None).fit(&records)?;
-            let models = [("1 Hz", &fixed), ("10 Hz", &of_ten), ("all", &of_all)];
-            tried((axis, name), (&models, &thresholds), (&loops, &judged), &mut answer)?;
-        }
-        let alone = Form::new(&fixed, &thresholds, &judged[..1], Per::Second)?.least().1;
-        answer.remarks.push(format!(
-            "{name}: alpha and beta fitted to the loops of 10 Hz alone would have an error of {alone:.4} um there, and of several um at 100 Hz (a row of the variants): the error of plays on a slow loop is one of shape, and rates that compensate it at one frequency are ten times as large at the next"
-        ));
-        answer.remarks.push(format!(
-            "{name}: alpha {:.3e} um s/V² and beta {:.3e} um s²/V² (segments 1 to 4) by the swarm of 100 particles over 100 \
-             iterations: {reached:.4} um over the four loops; the smallest error with any alpha and beta is {least:.4} um",
-            Listed(&rates[..4]),
-            Listed(&rates[4..]),
-        ));
-        let models = [("dynamic", &own), ("GRPI", &grpi), ("static", &fixed)];
-        answer.chapters.push(chapter(name, &judged, &models)?);
+    let axes = [(1, "Y"), (2, "Z")].into_par_iter().map(|axis| of_axis(axis, quick, say));
+    for axis in axes.collect::<anyhow::Result<Vec<_>>>()? {
+        answer.take(axis);
     }
     answer.remarks.push(
         "the paper's procedure: thresholds 0, 6, ... 54 V; weights by quadratic programming on the loop of 1 Hz and then \
@@ -372,6 +265,117 @@ pub(super) fn run(effort: Effort, say: &dyn Fn(&str)) -> anyhow::Result<Reproduc
          alpha and beta without a unit"
             .into(),
     );
+    Ok(answer)
+}
+
+/// The models of one axis, from 1, and what they leave.
+fn of_axis(
+    (axis, name): (usize, &str),
+    quick: bool,
+    say: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<Reproduction> {
+    let mut answer = Reproduction::default();
+    let thresholds: Vec<f64> = (0..10).map(|i| 6.0 * f64::from(i)).collect();
+    let of = |method: Option<&'static str>| Baseline {
+        method,
+        thresholds: thresholds.clone(),
+        levels: 2,
+        dynamic: false,
+    };
+    let at = axis - 1;
+    let loops = FITTED.iter().map(|f| Loops::new(axis, f)).collect::<anyhow::Result<Vec<_>>>()?;
+    let judged = JUDGED.iter().map(|f| Loops::new(axis, f)).collect::<anyhow::Result<Vec<_>>>()?;
+    say(&format!("{name}: static model of 1 Hz"));
+    let fixed = of(None).fit(&[&loops[0].run])?;
+    let slow = loops[0].error(&fixed)?;
+    say(&format!("{name}: dynamic model, its weights kept, alpha and beta by the swarm"));
+    let form = Form::new(&fixed, &thresholds, &loops, Per::Second)?;
+    let ((rates, reached), (_, least)) = (form.by_swarm(), form.least());
+    let own = dynamic(&fixed, &rates)?;
+    say(&format!("{name}: generalised plays (GRPI)"));
+    let records = FITTED.iter().map(|f| together(axis, f)).collect::<anyhow::Result<Vec<_>>>()?;
+    let records: Vec<&Response> = records.iter().collect();
+    let grpi = of(Some("grpi")).fit(&records)?;
+    let ours_errors = match quick {
+        true => None,
+        false => {
+            say(&format!("{name}: plays between two curves, with creep, lag and mode"));
+            let ours = Baseline {
+                method: Some("curved-prandtl-ishlinskii"),
+                thresholds: (0..20).map(|i| 3.0 * f64::from(i)).collect(),
+                levels: 2,
+                dynamic: true,
+            };
+            let ours = ours.fit(&records)?;
+            Some(errors(&ours, &judged)?)
+        }
+    };
+    let [own_errors, grpi_errors, fixed_errors] =
+        [errors(&own, &judged)?, errors(&grpi, &judged)?, errors(&fixed, &judged)?];
+    let row =
+        |what: String, paper: f64, own: f64, aim: Aim| Row::new(ID, what, "um", paper, own, aim);
+    answer.rows.push(row(
+        format!("{name}, 1 Hz, static Prandtl-Ishlinskii"),
+        [0.0881, 0.1432][at],
+        slow,
+        Aim::Baseline,
+    ));
+    for (k, frequency) in JUDGED.iter().enumerate() {
+        let what = |model: &str| format!("{name}, {frequency} Hz, {model}");
+        let pair = |x: [[f64; 2]; 2]| x[at][k];
+        let main = Row::ratio(
+            ID,
+            what("dynamic Prandtl-Ishlinskii"),
+            "um",
+            [pair(DYNAMIC), pair(STATIC)],
+            [own_errors[k], fixed_errors[k]],
+        );
+        answer.rows.push(Row { ours: ours_errors.map(|errors| errors[k]), ..main });
+        answer.rows.push(row(
+            what("generalised plays (GRPI)"),
+            pair(GRPI),
+            grpi_errors[k],
+            Aim::ForComparison,
+        ));
+        answer.rows.push(row(
+            what("static Prandtl-Ishlinskii"),
+            pair(STATIC),
+            fixed_errors[k],
+            Aim::Baseline,
+        ));
+        let mut order = |what: &str, holds: bool| {
+            let what = format!("{name}, {frequency} Hz: {what}");
+            answer.orders.push(Order { paper_id: ID, what, holds });
+        };
+        order("dynamic better than static", own_errors[k] < fixed_errors[k]);
+        order("dynamic better than generalised plays", own_errors[k] < grpi_errors[k]);
+    }
+    for (frequency, Loops { run, .. }) in FITTED.iter().zip(&loops) {
+        let simulated = simulated(&own, run)?;
+        answer.kept.record(&format!("{name}-{frequency}-hz"), UNITS, run, Some(&simulated[1..]))?;
+    }
+    if axis == 1 {
+        answer.kept.model("p4_model", &own);
+    }
+    if !quick {
+        say(&format!("{name}: what was tried"));
+        let of_ten = of(None).fit(&[&loops[1].run])?;
+        let of_all = of(None).fit(&records)?;
+        let models = [("1 Hz", &fixed), ("10 Hz", &of_ten), ("all", &of_all)];
+        tried((axis, name), (&models, &thresholds), (&loops, &judged), &mut answer)?;
+    }
+    let alone = Form::new(&fixed, &thresholds, &judged[..1], Per::Second)?.least().1;
+    answer.remarks.push(format!(
+        "{name}: alpha and beta fitted to the loops of 10 Hz alone would have an error of {alone:.4} um there, and of several um at 100 Hz (a row of the variants): the error of plays on a slow loop is one of shape, and rates that compensate it at one frequency are ten times as large at the next"
+    ));
+    answer.remarks.push(format!(
+        "{name}: alpha {:.3e} um s/V² and beta {:.3e} um s²/V² (segments 1 to 4) by the swarm of 100 particles over 100 \
+         iterations: {reached:.4} um over the four loops; the smallest error with any alpha and beta is {least:.4} um",
+        Listed(&rates[..4]),
+        Listed(&rates[4..]),
+    ));
+    let models = [("dynamic", &own), ("GRPI", &grpi), ("static", &fixed)];
+    answer.chapters.push(chapter(name, &judged, &models)?);
     Ok(answer)
 }
 

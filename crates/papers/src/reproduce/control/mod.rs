@@ -29,7 +29,7 @@ pub fn run(
     paper: &str,
     effort: Effort,
     tool: &Tool,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<Reproduction> {
     let mut answer = match paper {
         "p0" => p0::run(effort, tool, say)?,

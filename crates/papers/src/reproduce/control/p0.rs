@@ -275,7 +275,11 @@ fn errors(run: &Tracked, from: usize) -> [f64; 2] {
     [rms_of(&run.error, &[0, 1], from), rms_of(&run.error, &[2, 3], from)]
 }
 
-pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(
+    effort: Effort,
+    tool: &Tool,
+    say: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<Reproduction> {
     let mut bed = Bed::open(tool, Path::new(machines::P0))?;
     let mut answer = Reproduction::default();
     answer.kept.rig("plant", machines::P0)?;

@@ -134,7 +134,11 @@ fn on_e(
 const TABLE_6: [(usize, f64, f64); 3] =
     [(21, 0.0483, 0.55), (28, 0.0456, 0.84), (36, 0.0413, 1.21)];
 
-pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(
+    effort: Effort,
+    tool: &Tool,
+    say: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<Reproduction> {
     let mut bed = Bed::open(tool, Path::new(machines::P1))?;
     let mut answer = Reproduction::default();
     answer.kept.rig("plant", machines::P1)?;
@@ -389,7 +393,7 @@ fn our_inverse(
     runs: &[Run<'_>],
     tables: &mut Blueprint,
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<[ComponentBlueprint; 2]> {
     let (forward, described) = series(runs, PERIOD, say)?;
     answer.remarks.push(described);

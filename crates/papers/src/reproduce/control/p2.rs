@@ -169,7 +169,11 @@ fn width(r: &[f64], y: &[f64]) -> f64 {
     100.0 * widest / (high - low)
 }
 
-pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(
+    effort: Effort,
+    tool: &Tool,
+    say: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<Reproduction> {
     let mut bed = Bed::open(tool, Path::new(machines::P2))?;
     let mut answer = Reproduction::default();
     answer.kept.rig("plant", machines::P2)?;

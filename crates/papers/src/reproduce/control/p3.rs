@@ -159,7 +159,11 @@ struct Stage {
     reach: f64,
 }
 
-pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(
+    effort: Effort,
+    tool: &Tool,
+    say: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<Reproduction> {
     let mut bed = Bed::open(tool, Path::new(machines::P3))?;
     let mut answer = Reproduction::default();
     answer.kept.rig("plant", machines::P3)?;
@@ -252,7 +256,7 @@ fn tried(
     stage: &Stage,
     (u, y): (&[f64], &[f64]),
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<()> {
     for (way, training) in TRIED {
         say(&format!("tried: 12 inputs, {way}"));

@@ -272,7 +272,11 @@ fn identified_in(
     Ok(Identified { plain, dynamic, generalised, inverted })
 }
 
-pub(super) fn run(effort: Effort, tool: &Tool, say: &dyn Fn(&str)) -> anyhow::Result<Reproduction> {
+pub(super) fn run(
+    effort: Effort,
+    tool: &Tool,
+    say: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<Reproduction> {
     let folder = tempfile::tempdir()?;
     let mut bed = Bed::open(tool, Path::new(machines::P4))?;
     let mut answer = Reproduction::default();

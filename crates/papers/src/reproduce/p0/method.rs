@@ -45,7 +45,7 @@ pub(super) const PERIOD: f64 = 5e-3;
 pub(super) fn narx(
     records: &Records,
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<Method> {
     let h = &records.train_h;
     let pairs = [(&h.u[..], &h.theta[..])];
@@ -95,7 +95,7 @@ pub(super) fn narx(
 pub(super) fn narx_in_simulation(
     records: &Records,
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<Method> {
     let h = &records.train_h;
     let pairs = [(&h.u[..], &h.theta[..])];
@@ -147,7 +147,10 @@ pub(in crate::reproduce) fn stops(
 
 /// Stop operators in the place of past outputs, trained in turn with the linear part: on record H with what
 /// the linear part adds taken out, the linear part on record D.
-pub(super) fn stops_in_turn(records: &Records, say: &dyn Fn(&str)) -> anyhow::Result<Method> {
+pub(super) fn stops_in_turn(
+    records: &Records,
+    say: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<Method> {
     say("stops: widths by the evidence");
     let (h, d) = (&records.train_h, &records.train_d);
     let (frame, settings) = stops(&[(&h.u[..], &h.theta[..])], [Span::UNIT; 2])?;

@@ -13,7 +13,7 @@ pub(super) fn tried(
     records: &Records,
     own: &Method,
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<()> {
     let (h, d) = (&records.train_h, &records.train_d);
     let pairs = [(&h.u[..], &h.theta[..])];
@@ -124,7 +124,7 @@ pub(super) fn tried_inverses(
     records: &Records,
     own: &Method,
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<()> {
     say("tried: inverses");
     let (h, d) = (&records.train_h, &records.train_d);

@@ -65,7 +65,7 @@ pub(super) fn printed(
     inverses: &[Inverse],
     calibration: &Calibration,
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<()> {
     let references = trajectory(1)?;
     for (reading, unit) in [("command normalised to 1", GREATEST), ("command in V", 1.0)] {
@@ -103,7 +103,7 @@ pub(super) fn beyond(
     inverses: &[Inverse],
     calibration: &Calibration,
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<()> {
     let references = trajectory(rate)?;
     say(&format!("rate {rate}, beyond the paper: learning over {PASSES} passes"));

@@ -100,7 +100,7 @@ pub(super) fn as_printed(
     tool: &Tool,
     gains: [Gains; 2],
     answer: &mut Reproduction,
-    say: &dyn Fn(&str),
+    say: &(dyn Fn(&str) + Sync),
 ) -> anyhow::Result<()> {
     say("the printed ellipses, commands up to 150 V");
     let folder = tempfile::tempdir()?;
