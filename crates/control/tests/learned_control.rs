@@ -2,9 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
 
-#[path = "../../identify/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use core::f64::consts::TAU;
 use std::sync::OnceLock;
 

@@ -1,8 +1,7 @@
 //! Several FMUs: delays of Jacobi and Gauss–Seidel, units, the closed loop.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use common::{Fmus, instance};
 use cosim::{
     Algorithm, Coupling, Diagram, GaussSeidel, Jacobi, Loop, LoopSettings, Memory, Points, Problem,

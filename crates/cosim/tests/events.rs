@@ -2,8 +2,7 @@
 //! `events3.c`, refuses every call that is not allowed in its mode.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use common::{events3, instance};
 use cosim::{
     Diagram, Drive, Experiment, Fmu, GaussSeidel, Jacobi, Memory, Points, Run, Signals, Value,

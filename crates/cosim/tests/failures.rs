@@ -1,8 +1,7 @@
 //! What a failing FMU leaves behind: an error with FMU, time, call and message, and the record.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use std::sync::{Arc, Mutex};
 
 use common::instance;

@@ -1,8 +1,7 @@
 //! FMUs of FMI 3.0: the same master, the same answers, also beside FMUs of FMI 2.0.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use common::instance;
 use cosim::{
     Coupling, Diagram, Drive, Experiment, Fmu, GaussSeidel, Loop, LoopSettings, Memory, Points,

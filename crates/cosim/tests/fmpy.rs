@@ -1,8 +1,7 @@
 //! The same runs in fmpy: one FMU driven by a table, the closed loop by hand.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -2,8 +2,7 @@
 //! bindings that reach nothing, the file of the Open Simulation Platform.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use std::fs;
 use std::path::{Path, PathBuf};
 

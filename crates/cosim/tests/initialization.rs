@@ -1,7 +1,6 @@
 //! Initialization: what inputs and outputs are when the slaves leave it.
 
-mod common;
-
+use crate::common;
 use std::sync::{Arc, Mutex};
 
 use common::real;

@@ -1,8 +1,7 @@
 //! Instances: many at once, saved and restored states, start values, threads.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use common::instance;
 use cosim::{Experiment, Fmu, Selection, Slave, Value};
 

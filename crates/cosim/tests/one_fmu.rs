@@ -1,8 +1,7 @@
 //! One FMU driven by a log: what acts when, in which order calls are made, what is recorded.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use common::instance;
 use cosim::{
     CsvRecorder, Diagram, Drive, Fmu, Jacobi, Memory, Points, Run, Signal, Signals, Slave, Value,

@@ -1,8 +1,7 @@
 //! Systems from files: TOML and SSP say the same, and every problem is told with its line.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

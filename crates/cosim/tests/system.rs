@@ -1,8 +1,7 @@
 //! Systems: steps of several lengths, algebraic loops, scaled connections.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common;
 use common::{Fmus, instance};
 use cosim::{
     Algorithm, Diagram, Error, GaussSeidel, Iteration, IterationSettings, Jacobi, Memory, Points,

@@ -1,7 +1,6 @@
 //! A blueprint that was written is read again as the same.
 
-mod common;
-
+use crate::common;
 use std::collections::BTreeMap;
 
 use common::{PLANT, REGISTRY};

@@ -1,7 +1,6 @@
 //! The answer's form, its determinism, the repair, and what is refused.
 
-mod common;
-
+use crate::common;
 use common::machine::{Machine, blueprint};
 use common::truth::Effect;
 use components::COMPONENTS;

@@ -1,8 +1,7 @@
 //! A command that moves between the rows looks like a lag of the model that acts faster: the logs are read otherwise
 //! before that lag is named.
 
-mod common;
-
+use crate::common;
 use std::f64::consts::TAU;
 
 use common::machine::Normal;

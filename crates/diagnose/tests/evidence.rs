@@ -1,7 +1,6 @@
 //! What a diagnosis stands on: noise that was stated too small, a tap, records that are left out.
 
-mod common;
-
+use crate::common;
 use common::machine::{Machine, Normal, blueprint};
 use common::truth::{Effect, input_side};
 use data::Log;

@@ -2,8 +2,7 @@
 
 #![allow(clippy::print_stderr, reason = "what a failed run was")]
 
-mod common;
-
+use crate::common;
 use common::diagnose_machine;
 use common::machine::{Machine, RATE};
 use common::truth::Effect;

@@ -1,8 +1,7 @@
 //! A spring that hardens behind an actuator whose gain is off, in logs that begin while it moves: the equation of
 //! motion in short steps, which nothing of the diagnosis shares.
 
-mod common;
-
+use crate::common;
 use std::f64::consts::TAU;
 
 use common::machine::Normal;

@@ -1,8 +1,7 @@
 //! What the diagnosis says of machines whose truth is known. Their formulas are not the library's, and
 //! their parameters are off by the tolerances.
 
-mod common;
-
+use crate::common;
 use common::diagnose_machine;
 use common::machine::{Machine, RATE};
 use common::truth::Effect;

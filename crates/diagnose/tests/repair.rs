@@ -1,7 +1,6 @@
 //! What is promised of a repaired blueprint is what it does.
 
-mod common;
-
+use crate::common;
 use common::machine::{Machine, blueprint};
 use common::truth::Effect;
 use components::COMPONENTS;

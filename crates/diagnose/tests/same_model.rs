@@ -1,7 +1,6 @@
 //! Models that do the same get the same diagnosis, however their blueprints spell it.
 
-mod common;
-
+use crate::common;
 use common::machine::Normal;
 use components::COMPONENTS;
 use data::{Blueprint, CheckedBlueprint, Log};

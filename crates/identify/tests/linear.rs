@@ -2,8 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "figures are shown with --nocapture")]
 
-mod common;
-
+use crate::common;
 use std::f64::consts::TAU;
 
 use common::target;

@@ -2,8 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
 
-mod common;
-
+use crate::common;
 use identify::{Figures, Methods, Rows, Settings, Silent, compare, identify, simulate};
 
 /// The smooth model between two curves: what one large loop leaves open about smaller ones it fills

@@ -2,8 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
 
-mod common;
-
+use crate::common;
 use common::target;
 use components::COMPONENTS;
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint};
