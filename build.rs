@@ -212,10 +212,10 @@ fn shrink() {
     }
     let flags = env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default();
     for option in
-        ["-Wl,--icf=all", "-Wl,--ignore-data-address-equality", "-Wl,--pack-dyn-relocs=relr"]
+        ["-Wl,--icf=all", "-Wl,--ignore-data-address-equality", "-Wl,-z,pack-relative-relocs"]
     {
         // A linker that somebody chose may link for older systems, which cannot unpack relocations.
-        if option.ends_with("=relr") && of("RUSTC_LINKER").is_some() {
+        if option.ends_with("-relocs") && of("RUSTC_LINKER").is_some() {
             continue;
         }
         let mut link = Command::new(&rustc);
