@@ -2,11 +2,10 @@
 
 #![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
 
-use crate::common;
 use core::f64::consts::TAU;
 use std::sync::OnceLock;
 
-use common::target;
+use crate::common::target;
 use control::{ControlSettings, Error, Feedforward, Inversion, invert, simulate_loop};
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
 use identify::{

@@ -1,9 +1,8 @@
 //! Initialization: what inputs and outputs are when the slaves leave it.
 
-use crate::common;
 use std::sync::{Arc, Mutex};
 
-use common::real;
+use crate::common::real;
 use cosim::{
     Algorithm, Diagram, Error, Experiment, GaussSeidel, Iteration, IterationSettings, Jacobi,
     Points, Run, Selection, Signals, Slave, StepResult, System, Value,

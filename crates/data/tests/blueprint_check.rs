@@ -1,7 +1,6 @@
 //! What the check of a blueprint accepts, and every problem that it tells.
 
-use crate::common;
-use common::{PLANT, REGISTRY};
+use crate::common::{PLANT, REGISTRY};
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, SignalBlueprint};
 use model::Kind;
 

@@ -1,9 +1,8 @@
 //! A blueprint that was written is read again as the same.
 
-use crate::common;
 use std::collections::BTreeMap;
 
-use common::{PLANT, REGISTRY};
+use crate::common::{PLANT, REGISTRY};
 use data::{
     AxisBlueprint, Blueprint, ComponentBlueprint, CouplingBlueprint, SignalBlueprint, Value,
 };

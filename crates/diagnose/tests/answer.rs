@@ -1,8 +1,7 @@
 //! The answer's form, its determinism, the repair, and what is refused.
 
-use crate::common;
-use common::machine::{Machine, blueprint};
-use common::truth::Effect;
+use crate::common::machine::{Machine, blueprint};
+use crate::common::truth::Effect;
 use components::COMPONENTS;
 use data::{Blueprint, Log};
 use diagnose::{Error, Files, Model, Noise, Request, Silent, diagnose, examine};

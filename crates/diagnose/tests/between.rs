@@ -1,10 +1,9 @@
 //! A command that moves between the rows looks like a lag of the model that acts faster: the logs are read otherwise
 //! before that lag is named.
 
-use crate::common;
 use std::f64::consts::TAU;
 
-use common::machine::Normal;
+use crate::common::machine::Normal;
 use components::COMPONENTS;
 use data::{Blueprint, CheckedBlueprint, Log};
 use diagnose::{Between, Gap, Model, Noise, Reading, Request, Silent, Verdict, diagnose};

@@ -1,7 +1,6 @@
 //! Axes that a static coupling joins: an effect is found in the axis, or behind the reading, in which it is.
 
-use crate::common;
-use common::machine::Normal;
+use crate::common::machine::Normal;
 use components::COMPONENTS;
 use data::{Blueprint, CheckedBlueprint, Log};
 use diagnose::{Diagnosis, Error, Model, Noise, Request, Silent, Verdict, diagnose, examine};

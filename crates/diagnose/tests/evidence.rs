@@ -1,8 +1,7 @@
 //! What a diagnosis stands on: noise that was stated too small, a tap, records that are left out.
 
-use crate::common;
-use common::machine::{Machine, Normal, blueprint};
-use common::truth::{Effect, input_side};
+use crate::common::machine::{Machine, Normal, blueprint};
+use crate::common::truth::{Effect, input_side};
 use data::Log;
 use diagnose::{Files, Gap, Model, Noise, Request, Silent, Verdict, diagnose, examine};
 

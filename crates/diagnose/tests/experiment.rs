@@ -2,10 +2,9 @@
 
 #![allow(clippy::print_stderr, reason = "what a failed run was")]
 
-use crate::common;
-use common::diagnose_machine;
-use common::machine::{Machine, RATE};
-use common::truth::Effect;
+use crate::common::diagnose_machine;
+use crate::common::machine::{Machine, RATE};
+use crate::common::truth::Effect;
 use data::Log;
 
 /// The command of a log.

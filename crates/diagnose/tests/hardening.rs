@@ -1,10 +1,9 @@
 //! A spring that hardens behind an actuator whose gain is off, in logs that begin while it moves: the equation of
 //! motion in short steps, which nothing of the diagnosis shares.
 
-use crate::common;
 use std::f64::consts::TAU;
 
-use common::machine::Normal;
+use crate::common::machine::Normal;
 use components::COMPONENTS;
 use data::{Blueprint, Log};
 use diagnose::{Model, Request, Silent, diagnose, examine};

@@ -1,8 +1,7 @@
 //! What is promised of a repaired blueprint is what it does.
 
-use crate::common;
-use common::machine::{Machine, blueprint};
-use common::truth::Effect;
+use crate::common::machine::{Machine, blueprint};
+use crate::common::truth::Effect;
 use components::COMPONENTS;
 use diagnose::{Model, Noise, Request, Silent, diagnose, examine};
 

@@ -1,7 +1,6 @@
 //! Models that do the same get the same diagnosis, however their blueprints spell it.
 
-use crate::common;
-use common::machine::Normal;
+use crate::common::machine::Normal;
 use components::COMPONENTS;
 use data::{Blueprint, CheckedBlueprint, Log};
 use diagnose::{Gap, Model, Noise, Request, Silent, Verdict, diagnose};

@@ -2,10 +2,9 @@
 
 #![allow(clippy::print_stdout, reason = "figures are shown with --nocapture")]
 
-use crate::common;
 use std::f64::consts::TAU;
 
-use common::target;
+use crate::common::target;
 use components::COMPONENTS;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint};
 use identify::{

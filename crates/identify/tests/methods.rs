@@ -2,8 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "figures and seeds are shown with --nocapture")]
 
-use crate::common;
-use common::target;
+use crate::common::target;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint};
 use identify::learned::{Seek, Selection};
 use identify::{

@@ -8,7 +8,7 @@ const PANEL: usize = 8;
 /// The triangle R of A = Q R, of min(rows, columns) rows; the signs of its rows are arbitrary.
 ///
 /// ```text
-/// Qᵀ = … (I − V_2 T_2ᵀ V_2ᵀ) (I − V_1 T_1ᵀ V_1ᵀ), one factor for 16 columns
+/// Qᵀ = … (I − V_2 T_2ᵀ V_2ᵀ) (I − V_1 T_1ᵀ V_1ᵀ), one factor for each panel of columns
 /// ```
 ///
 /// With a right-hand side b as the last column of A it holds all that least squares need: the last column of R is then Qᵀ b,
@@ -89,7 +89,9 @@ mod tests {
     #[test]
     fn the_triangle_is_that_of_single_reflections() {
         let mut random = SplitMix64::new(3);
-        for shape in [(1, 1), (40, 15), (40, 16), (57, 17), (90, 50), (20, 33), (33, 33)] {
+        for shape in
+            [(1, 1), (40, 7), (40, 8), (40, 15), (40, 16), (57, 17), (90, 50), (20, 33), (33, 33)]
+        {
             let a = DMatrix::from_fn(shape.0, shape.1, |_, _| random.normal());
             let (fast, slow) = (triangle(a.clone()), a.qr().r());
             assert_eq!(fast.shape(), slow.shape());

@@ -29,7 +29,7 @@ impl Kept {
     }
 
     /// Keeps what another one keeps.
-    pub(crate) fn take(&mut self, other: Self) {
+    pub(crate) fn append(&mut self, other: Self) {
         self.logs.extend(other.logs);
         self.blueprints.extend(other.blueprints);
     }

@@ -242,8 +242,9 @@ proptest! {
         let page = report.to_html().unwrap();
         // Not in the packed data, whose base 64 holds any three letters.
         let data = "<script type=\"application/json\"";
-        let outside = |part: &str| part.split_once("</script>").map_or(part, |(_, rest)| rest).to_owned();
-        let drawn: String = page.split("<script>").next().unwrap().split(data).map(outside).collect();
+        let parts = page.split("<script>").next().unwrap().split(data);
+        let drawn: String =
+            parts.map(|part| part.split_once("</script>").map_or(part, |(_, rest)| rest)).collect();
         prop_assert!(!drawn.contains("NaN") && !drawn.contains("inf "), "a coordinate is not a number");
         let json = report.to_json().unwrap();
         let again = Report::from_json(&json).unwrap();

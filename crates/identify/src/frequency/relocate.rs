@@ -161,7 +161,7 @@ pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, E
     }
     let mut right = DVector::zeros(last + 1);
     right[last] = strength * lines as f64;
-    let mut c = least_squares(stack, &right)?.as_slice().to_vec();
+    let (mut c, _) = least_squares(stack, &right)?;
     // A σ without its constant has no zeros to go to.
     let least = 1e-8;
     if c[n].abs() < least {
@@ -187,20 +187,20 @@ fn at(matrix: &DMatrix<f64>, row: usize, column: usize) -> Option<f64> {
     (row < matrix.nrows() && column < matrix.ncols()).then(|| matrix[(row, column)])
 }
 
-/// Least squares with columns of length one.
-fn least_squares(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Result<DVector<f64>, Error> {
+/// Least squares of more rows than columns, which are scaled to length one: the solution, and the sum of the squares of
+/// what it leaves.
+fn least_squares(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Result<(Vec<f64>, f64), Error> {
     let norms = scaled_columns(&mut matrix);
     let width = norms.len();
     let mut both = matrix.insert_column(width, 0.0);
     both.set_column(width, right);
     let r = triangle(both);
-    let rows = width.min(r.nrows());
-    let found = r
-        .view((0, 0), (rows, width.min(rows)))
-        .solve_upper_triangular(&r.view((0, width), (rows, 1)));
-    let solution = found.map(|x| x.column(0).component_div(&norms));
+    let found =
+        r.view((0, 0), (width, width)).solve_upper_triangular(&r.column(width).rows(0, width));
+    let solution = found.map(|x| x.component_div(&norms).as_slice().to_vec());
     let finite = solution.filter(|x| x.iter().all(|x| x.is_finite()));
-    finite.ok_or(Error::no_solution("the fit's poles coincide"))
+    let solution = finite.ok_or(Error::no_solution("the fit's poles coincide"))?;
+    Ok((solution, r[(width, width)].powi(2)))
 }
 
 /// Divides each column by its length; returns the lengths.
@@ -226,10 +226,7 @@ pub(super) fn residues(
     let element = |&place: &(usize, usize)| {
         let (weight, response) = samples.of(place);
         let matrix = stacked(lines, phi.ncols(), |k, c| phi[(k, c)] * weight[k]);
-        let right = stacked(lines, 1, |k, _| response[k]).column(0).into_owned();
-        let c = least_squares(matrix.clone(), &right)?;
-        let squares = (right - matrix * &c).norm_squared();
-        Ok((c.as_slice().to_vec(), squares))
+        least_squares(matrix, &stacked(lines, 1, |k, _| response[k]).column(0).into_owned())
     };
     let fitted = samples.elements().par_iter().map(element).collect::<Result<Vec<_>, Error>>()?;
     let sum: f64 = fitted.iter().map(|(_, squares)| squares).sum();

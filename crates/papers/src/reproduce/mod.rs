@@ -205,14 +205,14 @@ impl Reproduction {
     }
 
     /// Adds what a part of it gave.
-    fn take(&mut self, part: Self) {
+    fn append(&mut self, part: Self) {
         self.rows.extend(part.rows);
         self.orders.extend(part.orders);
         self.remarks.extend(part.remarks);
         self.left_out.extend(part.left_out);
         self.matched.extend(part.matched);
         self.chapters.extend(part.chapters);
-        self.kept.take(part.kept);
+        self.kept.append(part.kept);
     }
 
     /// The same, of this part of a paper.

@@ -255,7 +255,7 @@ pub(super) fn run(effort: Effort, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result
     let quick = answer.leaves_out(effort, "ours, what was tried");
     let axes = [(1, "Y"), (2, "Z")].into_par_iter().map(|axis| of_axis(axis, quick, say));
     for axis in axes.collect::<anyhow::Result<Vec<_>>>()? {
-        answer.take(axis);
+        answer.append(axis);
     }
     answer.remarks.push(
         "the paper's procedure: thresholds 0, 6, ... 54 V; weights by quadratic programming on the loop of 1 Hz and then \
