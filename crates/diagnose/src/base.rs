@@ -1,6 +1,6 @@
 //! The model as it came, as a chain with places where effects go in.
 
-mod compose;
+pub(crate) mod compose;
 
 use std::collections::BTreeMap;
 
@@ -78,6 +78,8 @@ pub(crate) struct Base {
     pub(crate) memory: Option<Memory>,
     pub(crate) gain_tolerance: f64,
     pub(crate) is_white: bool,
+    /// Length in s of a row, and the steps of the grid in it, where readings are late by a part of it.
+    pub(crate) late: Option<(f64, usize)>,
     /// Which part of an axis it is.
     pub(crate) part: Part,
     /// What other readings of the same coupling show of it: where a search may start.
@@ -118,6 +120,7 @@ impl Base {
             memory: None,
             gain_tolerance,
             is_white: true,
+            late: None,
             part,
             hints: Vec::new(),
         };
@@ -299,6 +302,7 @@ impl Base {
             memory: None,
             gain_tolerance,
             is_white: false,
+            late: None,
             part: Part::Reading(from),
             hints: Vec::new(),
         }

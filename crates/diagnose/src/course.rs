@@ -1,12 +1,15 @@
 //! How the logs are read, where nobody says and they do: what the command does between rows, and when
 //! readings are taken.
 
+mod within;
+
 use std::sync::atomic::AtomicU64;
 
 use components::effects;
 use model::Group;
 use rayon::prelude::*;
 
+use self::within::Within;
 use crate::between::{Between, Course};
 use crate::data_set::DataSet;
 use crate::error::Error;
@@ -29,61 +32,36 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
     if !task.base.is_white {
         return outcome::of(task, request, count);
     }
-    let is_given = open.is_empty();
     let readings = Readings { fresh: task.clone(), request, count };
     let outcome = outcome::of(task, request, count)?;
-    let usual = outcome.task.course;
-    let mode = mode_near_nyquist(&outcome);
-    let (first, first_named) = (outcome.left(), names(&outcome));
-    let had_lag = has_released_lag(&outcome);
-    let outcome = match mode {
-        Some(_) => readings.without_mode(outcome, open),
-        None => readings.best(outcome, &open),
+    let Some(instant) = readings.instant(&outcome) else {
+        return Ok(readings.in_other_course(outcome, open));
     };
-    let mut outcome = readings.in_finer_steps(readings.half_a_step_on(outcome));
-    let (output, course) = (outcome.task.output.clone(), outcome.task.course);
-    let read_as = |what: String| {
-        format!(
-            "{output}: the logs are read with {}: with {} {what} (--between {} --reading {} says otherwise)",
-            course.words(),
-            usual.words(),
-            usual.between.name(),
-            usual.reading.name()
-        )
-    };
-    let warning = match mode {
-        // Nothing else was asked.
-        _ if course == usual && is_given => None,
-        Some(frequency) if course == usual => Some(format!(
-            "{output}: the mode at {frequency:.4} Hz lies within 10 % of half the sample rate; it stays whatever the \
-             command does between the rows"
-        )),
-        Some(frequency) => Some(read_as(format!(
-            "a mode would be missing at {frequency:.4} Hz, within 10 % of half the sample rate"
-        ))),
-        None if course == usual => None,
-        // Not less, but with fewer effects.
-        None if outcome.left() >= Thresholds::READING_LESS * first => {
-            // One name may stand for two effects.
-            let mut gone = first_named;
-            for name in names(&outcome) {
-                if let Some(at) = gone.iter().position(|other| *other == name) {
-                    gone.remove(at);
-                }
-            }
-            let gone: Vec<String> = gone.iter().map(|n| n.replace('_', " ")).collect();
-            Some(read_as(match had_lag {
-                true => "a lag of the model would have to act faster".to_owned(),
-                false => format!("{} would be missing", gone.join(" and ")),
-            }))
+    if instant.looks_moving() {
+        let outcome = readings.in_other_course(outcome, open);
+        let moves = outcome.task.course.between != Between::Zoh && is_explained(&outcome);
+        if moves && (!instant.is_all() || outcome.found.last.picks.is_empty()) {
+            return Ok(outcome);
         }
-        None => Some(read_as(format!(
-            "the best answer would leave {:.1} times as much",
-            (first / outcome.left()).sqrt()
-        ))),
+        return Ok(better(readings.within_rows(&outcome, instant), outcome));
+    }
+    let within = readings.within_rows(&outcome, instant);
+    // What leaves nothing is taken at once.
+    let within = match within {
+        Some(within) if within.is_complete() && within.is_better(&outcome) => {
+            return Ok(within.said(&outcome));
+        }
+        within => within,
     };
-    outcome.task.warnings.extend(warning);
-    Ok(outcome)
+    Ok(better(within, readings.in_other_course(outcome, open)))
+}
+
+/// The answer with readings within the rows where it is better, or the other one.
+fn better(within: Option<Within>, outcome: Outcome) -> Outcome {
+    match within.filter(|within| within.is_better(&outcome)) {
+        Some(within) => within.said(&outcome),
+        None => outcome,
+    }
 }
 
 /// The logs of a task, to be read otherwise.
@@ -94,6 +72,63 @@ struct Readings<'a> {
 }
 
 impl Readings<'_> {
+    /// With the reading of the logs that is clearly better than the usual one, and what to say of it.
+    fn in_other_course(&self, outcome: Outcome, open: Vec<Course>) -> Outcome {
+        let is_given = open.is_empty();
+        let usual = outcome.task.course;
+        let mode = mode_near_nyquist(&outcome);
+        let (first, first_named) = (outcome.left(), names(&outcome));
+        let had_lag = has_released_lag(&outcome);
+        let outcome = match mode {
+            Some(_) => self.without_mode(outcome, open),
+            None => self.best(outcome, &open),
+        };
+        let mut outcome = self.in_finer_steps(self.half_a_step_on(outcome));
+        let (output, course) = (outcome.task.output.clone(), outcome.task.course);
+        let read_as = |what: String| {
+            format!(
+                "{output}: the logs are read with {}: with {} {what} (--between {} --reading {} says otherwise)",
+                course.words(),
+                usual.words(),
+                usual.between.name(),
+                usual.reading.name()
+            )
+        };
+        let warning = match mode {
+            // Nothing else was asked.
+            _ if course == usual && is_given => None,
+            Some(frequency) if course == usual => Some(format!(
+                "{output}: the mode at {frequency:.4} Hz lies within 10 % of half the sample rate; it stays whatever the \
+                 command does between the rows"
+            )),
+            Some(frequency) => Some(read_as(format!(
+                "a mode would be missing at {frequency:.4} Hz, within 10 % of half the sample rate"
+            ))),
+            None if course == usual => None,
+            // Not less, but with fewer effects.
+            None if outcome.left() >= Thresholds::READING_LESS * first => {
+                // One name may stand for two effects.
+                let mut gone = first_named;
+                for name in names(&outcome) {
+                    if let Some(at) = gone.iter().position(|other| *other == name) {
+                        gone.remove(at);
+                    }
+                }
+                let gone: Vec<String> = gone.iter().map(|n| n.replace('_', " ")).collect();
+                Some(read_as(match had_lag {
+                    true => "a lag of the model would have to act faster".to_owned(),
+                    false => format!("{} would be missing", gone.join(" and ")),
+                }))
+            }
+            None => Some(read_as(format!(
+                "the best answer would leave {:.1} times as much",
+                (first / outcome.left()).sqrt()
+            ))),
+        };
+        outcome.task.warnings.extend(warning);
+        outcome
+    }
+
     /// The answer under a command that was played so; none where the model cannot be simulated.
     fn answer(&self, course: Course, data: &DataSet) -> Option<Outcome> {
         self.answer_of(course, data, self.fresh.max_effects)

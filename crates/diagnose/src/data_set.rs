@@ -99,6 +99,8 @@ pub(crate) struct DataSet {
     pub(crate) output_span: Span,
     /// Whether the grid is finer than the model says.
     pub(crate) is_finer: bool,
+    /// Steps of the grid over which a command is held from each row to the next, where readings are within the rows.
+    pub(crate) within: Option<usize>,
 }
 
 /// One record as it comes.
@@ -151,6 +153,7 @@ impl DataSet {
             command_span: Span::of(records.iter().flat_map(|r| r.command.iter().copied())),
             output_span: Span::of(records.iter().flat_map(|r| r.y.iter().copied())),
             is_finer: false,
+            within: None,
         };
         all.aux = aux
             .iter()
@@ -250,17 +253,33 @@ impl DataSet {
 
     /// These records on a grid with `parts` steps in the place of each.
     pub(crate) fn finer(&self, parts: usize) -> Self {
+        self.in_parts(parts, 0)
+    }
+
+    /// As `finer`, for readings within the rows of a held command, the last of which acts for a row, too; none where
+    /// the model does not take one step from each row to the next.
+    pub(crate) fn within_rows(&self, parts: usize) -> Option<Self> {
+        let is_one = |record: &RecordData| record.steps_per_row() == Some(1);
+        let are_given = self.records.iter().all(is_one) && self.aux.is_empty();
+        are_given.then(|| Self { within: Some(parts), ..self.in_parts(parts, parts) })
+    }
+
+    /// As `finer`, with so many steps more behind each record.
+    fn in_parts(&self, parts: usize, behind: usize) -> Self {
         let mut all = self.clone();
         // A record has its rest, and its steps.
-        let of_record = |r: &RecordData, values: &[f64]| {
+        let of_record = |r: &RecordData, values: &[f64], last: Option<&f64>| {
             let values = &values[r.hits.clone()];
+            let last = last.or(values.last()).copied().into_iter();
+            let last = last.flat_map(|v| std::iter::repeat_n(v, behind));
             let steps = values[1..].iter().flat_map(|v| std::iter::repeat_n(*v, parts));
-            values.first().copied().into_iter().chain(steps).collect::<Vec<f64>>()
+            values.first().copied().into_iter().chain(steps).chain(last).collect::<Vec<f64>>()
         };
         let expand = |values: &[f64]| {
-            self.records.iter().flat_map(|r| of_record(r, values)).collect::<Vec<f64>>()
+            self.records.iter().flat_map(|r| of_record(r, values, None)).collect::<Vec<f64>>()
         };
-        all.command = expand(&self.command);
+        let records = self.records.iter();
+        all.command = records.flat_map(|r| of_record(r, &self.command, r.logged.last())).collect();
         all.others = self.others.iter().map(|hits| Arc::new(expand(hits))).collect();
         for (aux, given) in all.aux.iter_mut().zip(&self.aux) {
             aux.hits = expand(&given.hits);
@@ -273,9 +292,9 @@ impl DataSet {
             }
             let training = given.training_hits_end;
             record.training_hits_end =
-                if training > given.hits.start { at(training - 1) + 1 } else { start };
+                if training > given.hits.start { at(training - 1) + 1 + behind } else { start };
             record.hit_of_row.iter_mut().for_each(|hit| *hit *= parts as u32);
-            let end = at(given.hits.end - 1) + 1;
+            let end = at(given.hits.end - 1) + 1 + behind;
             record.hits = start..end;
             start = end;
         }

@@ -107,6 +107,7 @@ fn task(
         memory: None,
         gain_tolerance: request.gain_tolerance,
         is_white: false,
+        late: None,
         part: Part::Axis,
         hints: Vec::new(),
     };

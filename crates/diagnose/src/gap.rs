@@ -375,6 +375,9 @@ pub struct OutputGap {
     /// When the readings of rows were taken to be taken.
     #[serde(default)]
     pub reading: Reading,
+    /// Seconds by which each reading was found to be later than that, within its row. Null where it was not.
+    #[serde(default)]
+    pub reading_late: Option<f64>,
 }
 
 /// The noise of an output.

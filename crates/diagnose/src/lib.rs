@@ -171,9 +171,13 @@ impl Diagnosis {
         let finer = self.outcomes.iter().map(|o| &o.task.data).filter(|data| data.is_finer);
         if let Some(step) = finer.map(|data| data.step).min_by(f64::total_cmp) {
             repaired.step = data::Value::Number(step);
-            notes.push(format!(
-                "the step of the repaired blueprint is {step} s, as its command moves between rows"
-            ));
+            let is_within = self.outcomes.iter().any(|o| o.task.data.within.is_some());
+            let why = if is_within {
+                "a reading lies within a row"
+            } else {
+                "its command moves between rows"
+            };
+            notes.push(format!("the step of the repaired blueprint is {step} s, as {why}"));
         }
         repair::write_joint(&self.outcomes, &mut repaired);
         for outcome in &self.outcomes {

@@ -36,6 +36,9 @@ pub(crate) enum RecordBlock {
     Clock,
     /// Memory at the start of the record: −1 (from below) to 1.
     StartMemory(Memory),
+    /// Readings at other instants within the rows of a held command, each in so many steps of the grid: what goes
+    /// into them later, or earlier, by a time in s. From row to row the motion is smooth.
+    Instant { parts: usize, is_late: bool },
     /// A reading that droops towards zero, as behind a capacitor in series: corner in Hz, part of the
     /// first value that has drooped before the record begins.
     Droop,
@@ -47,6 +50,8 @@ pub(crate) enum Prepared<'a> {
     Effect(Kernel),
     /// The clock's offset.
     Clock(f64),
+    /// Steps per row, and steps by which the readings are later.
+    Instant(usize, f64),
     /// The plays, and the place in the loop at the start.
     StartMemory(&'a Memory, f64),
     /// The part of the way that the droop goes in a step, and the part of the first value that is gone.
@@ -75,6 +80,9 @@ impl RecordBlock {
     fn prepare(&self, p: &[f64], step: f64) -> Result<Prepared<'_>, WrongCount> {
         Ok(match self {
             Self::Clock => exactly(p).map(|[offset]| Prepared::Clock(offset))?,
+            Self::Instant { parts, is_late } => exactly(p).map(|[time]| {
+                Prepared::Instant(*parts, if *is_late { time / step } else { -time / step })
+            })?,
             Self::StartMemory(memory) => {
                 exactly(p).map(|[place]| Prepared::StartMemory(memory, place))?
             }
@@ -90,6 +98,7 @@ impl Prepared<'_> {
         match self {
             Self::Effect(kernel) => kernel.run(signals, out),
             Self::Clock(offset) => clock(*offset, signals.x, out),
+            Self::Instant(parts, later) => instant(*parts, *later, signals.x, out),
             Self::StartMemory(memory, place) => start_memory(memory, *place, signals, out),
             Self::Droop(fraction, part) => droop(*fraction, *part, signals.x, out),
         }
@@ -99,6 +108,26 @@ impl Prepared<'_> {
 fn clock(offset: f64, x: &[f64], out: &mut [f64]) {
     for (n, y) in out.iter_mut().enumerate() {
         *y = between(x, n as f64 * (1.0 - offset));
+    }
+}
+
+/// The signal so many steps later, by Lagrange's polynomial through the values of the row in which that is: over a
+/// row the command is held, and where it jumps the motion has a bend, across which no polynomial leads.
+fn instant(parts: usize, later: f64, x: &[f64], out: &mut [f64]) {
+    for (n, y) in out.iter_mut().enumerate() {
+        let place = (n as f64 + later).max(0.0);
+        let row = (place / parts as f64) as usize * parts;
+        let rest = place - row as f64;
+        *y = match x.get(row..=row + parts) {
+            Some(own) if rest > 0.0 => {
+                let weight = |i: usize| {
+                    let others = (0..=parts).filter(|j| *j != i);
+                    others.map(|j| (rest - j as f64) / (i as f64 - j as f64)).product::<f64>()
+                };
+                own.iter().enumerate().map(|(i, value)| weight(i) * value).sum()
+            }
+            _ => at(x, place),
+        };
     }
 }
 
@@ -190,6 +219,43 @@ mod tests {
     }
 
     #[test]
+    fn a_reading_within_a_row_is_exact_for_a_held_command() {
+        let (row, w, parts) = (5e-4, TAU * 180.0, 4);
+        let step = row / parts as f64;
+        // An undamped mode whose rest jumps at each row.
+        let command = |row: usize| ((7 * row) % 11) as f64;
+        let later = |state: (f64, f64), u: f64, t: f64| {
+            let (c, s) = ((w * t).cos(), (w * t).sin());
+            (u + (state.0 - u) * c + state.1 / w * s, state.1 * c - (state.0 - u) * w * s)
+        };
+        let (mut states, mut x) = (vec![(0.0, 0.0)], vec![0.0]);
+        for row in 0..50 {
+            for part in 1..=parts {
+                x.push(later(states[row], command(row), part as f64 * step).0);
+            }
+            states.push(later(states[row], command(row), parts as f64 * step));
+        }
+        let read = |is_late: bool, time: f64| {
+            let block = PathBlock::from(RecordBlock::Instant { parts, is_late });
+            let mut out = vec![0.0; x.len()];
+            block.prepare(&[time], step).unwrap().run(Signals::path(&x), &mut out);
+            out
+        };
+        for part in [0.01, 0.3, 0.97] {
+            let (late, early) = (read(true, part * row), read(false, part * row));
+            for k in 1..49 {
+                let expected = later(states[k], command(k), part * row).0;
+                assert!((late[k * parts] - expected).abs() < 2e-4, "late by {part}, row {k}");
+                let expected = later(states[k - 1], command(k - 1), (1.0 - part) * row).0;
+                assert!((early[k * parts] - expected).abs() < 2e-4, "early by {part}, row {k}");
+            }
+        }
+        assert_eq!(read(true, 0.0), x);
+        // Before the first row it rests.
+        assert_eq!(read(false, 3.0 * row)[..=3 * parts], vec![0.0; 3 * parts + 1]);
+    }
+
+    #[test]
     fn a_polynomial_of_the_fifth_order_is_met_between_its_values() {
         let f = |t: f64| 1.0 + t * (0.5 - t * (0.2 - t * (0.03 + t * (0.01 - 0.002 * t))));
         let x: Vec<f64> = (0..12).map(|k| f(f64::from(k) - 5.0)).collect();
@@ -207,6 +273,7 @@ mod tests {
             (RecordBlock::Clock, 1),
             (RecordBlock::StartMemory(memory), 1),
             (RecordBlock::Droop, 2),
+            (RecordBlock::Instant { parts: 4, is_late: true }, 1),
         ];
         for (block, count) in all {
             let block = PathBlock::from(block);

@@ -14,6 +14,7 @@ pub(crate) use self::formulas::carried;
 pub(crate) use self::memo::Memo;
 use self::memo::Part;
 use crate::base::Base;
+use crate::base::compose::LATE;
 use crate::chain::{Chain, Failed};
 use crate::data_set::DataSet;
 use crate::fit::{Fit, Fitter, Linear};
@@ -39,6 +40,14 @@ pub(crate) struct Candidate {
     /// Logarithm of the odds against it beside the effect that is named, where both are fitted to all rows; infinite
     /// where that was not looked at.
     pub(crate) against: f64,
+}
+
+impl Candidate {
+    /// Seconds by which each reading is late within its row, where the model's readings may be.
+    pub(crate) fn late(&self) -> Option<f64> {
+        let mut all = self.chain.parameters.iter().zip(&self.fit.theta);
+        all.find(|(p, _)| p.is_base && p.name == LATE).map(|(p, q)| p.value(*q))
+    }
 }
 
 /// A family that was looked at in a round.

@@ -12,3 +12,4 @@ mod names;
 mod real_data;
 mod repair;
 mod same_model;
+mod within;

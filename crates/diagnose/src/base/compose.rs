@@ -4,7 +4,11 @@ use super::{Base, BaseParameter};
 use crate::chain::{Acting, Chain, Link, Node, Parameter};
 use crate::coupled::FurtherMode;
 use crate::library::{Formula, Slot};
+use crate::path_block::RecordBlock;
 use crate::thresholds::base::Thresholds;
+
+/// Name of the time by which each reading is late.
+pub(crate) const LATE: &str = "reading.late";
 
 impl BaseParameter {
     /// How far above its value it can go where an effect releases it, in its own unit.
@@ -36,6 +40,9 @@ impl<'a> Composer<'a> {
     pub(super) fn compose(base: &'a Base, effects: &'a [&'a Formula]) -> Chain {
         let mut composer = Self::new(base, effects);
         for k in 0..=base.nodes.len() {
+            if k == base.nodes.len() {
+                composer.late();
+            }
             composer.insert(k);
             if let Some(node) = base.nodes.get(k) {
                 composer.base_node(k, node);
@@ -89,6 +96,21 @@ impl<'a> Composer<'a> {
             jumps: false,
             is_base: true,
         });
+        if let Some((row, _)) = base.late {
+            parameters.push(Parameter {
+                name: LATE.to_owned(),
+                unit: "s".to_owned(),
+                low: 0.0,
+                high: row,
+                log: false,
+                step: 1e-2 * row,
+                // Not released, and as good as free: a second off would count as one standard deviation.
+                prior: 1.0,
+                node: 0,
+                jumps: false,
+                is_base: true,
+            });
+        }
         let mut first = Vec::new();
         for effect in effects {
             first.push(parameters.len());
@@ -96,6 +118,17 @@ impl<'a> Composer<'a> {
         }
         let nodes = Vec::new();
         Self { base, effects, nodes, parameters, first, of_base, drive: 0 }
+    }
+
+    /// The instant at which the reading of each row is taken.
+    fn late(&mut self) {
+        let own = self.parameters.iter().position(|p| p.is_base && p.name == LATE);
+        if let (Some(own), Some((_, parts))) = (own, self.base.late) {
+            self.touch(own, 1);
+            let block = RecordBlock::Instant { parts, is_late: true };
+            let takes = vec![own];
+            self.nodes.push(Node::Block { block: block.into(), takes, aux: 0, of_command: false });
+        }
     }
 
     /// Inserts the effects whose slot is before node `k` of the base.

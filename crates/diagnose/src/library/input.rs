@@ -21,15 +21,33 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
 
 fn delay(s: &Setting<'_>) -> Family {
     let longest = (50.0 * s.sample).min(0.1 * s.length);
-    let time = Free::log("delay", "s", 0.01 * s.sample, longest).step(0.05);
-    let starts = [0.3, 1.0, 3.0, 10.0].map(|k| vec![k * s.sample]);
+    let least = if s.data.within.is_some() { 1e-4 } else { 0.01 };
+    let time = Free::log("delay", "s", least * s.sample, longest).step(0.05);
+    let starts = |all: &[f64]| all.iter().map(|k| vec![k * s.sample]).collect::<Vec<_>>();
+    let rows = [0.3, 1.0, 3.0, 10.0];
     // What is late before a machine is late behind it, where nothing else drives it. There it moves smoothly from row to
     // row, so that parts of a row are exact, and no box must be run again.
     let is_still = |values: &Vec<f64>| values.windows(2).all(|w| w[0] == w[1]);
     let is_alone = s.data.records.iter().all(|record| record.others.iter().all(is_still));
     let slot = if s.base.is_white || !is_alone { Slot::Command } else { Slot::Reading };
-    let constant =
-        Formula::new("transport delay").block(slot, Block::Delay, vec![time]).starts(starts);
+    let whole = Formula::new("transport delay");
+    // In parts of a row the command of a model in steps of a row is a mean, to which it does not quite answer so.
+    if let (Some(parts), Slot::Command) = (s.data.within, slot) {
+        let block = RecordBlock::Instant { parts, is_late: false };
+        let within = Formula::new("transport delay, exact within a row");
+        let within = within.block(Slot::Reading, block, vec![time.clone()]);
+        let mut family = instants(
+            &effects::DELAY,
+            within.starts(starts(&[0.01, 0.1, 0.3, 1.0, 3.0, 10.0])),
+            "transport delay that swings",
+            s,
+        );
+        family
+            .formulas
+            .push(whole.block(slot, Block::Delay, vec![time]).starts(starts(&rows)).stand_in());
+        return family;
+    }
+    let constant = whole.block(slot, Block::Delay, vec![time]).starts(starts(&rows));
     instants(&effects::DELAY, constant, "transport delay that swings", s)
 }
 

@@ -43,6 +43,7 @@ fn base(is_white: bool) -> Base {
         }),
         gain_tolerance: 0.01,
         is_white,
+        late: None,
         part: Part::Axis,
         hints: Vec::new(),
     }

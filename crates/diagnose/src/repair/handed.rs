@@ -11,6 +11,7 @@ use data::{AxisBlueprint, Blueprint, ComponentBlueprint, Value};
 use model::Component;
 
 use super::retune;
+use crate::base::compose::LATE;
 use crate::base::{Base, Part};
 use crate::chain::Chain;
 use crate::fit::Fitter;
@@ -247,6 +248,7 @@ impl<'a> Written<'a> {
             .collect();
         let gain = o.task.base.gain_tolerance;
         let base = Base::white(&checked, (axis, o.task.base.part), &tolerances, gain).ok()?;
+        let base = Base { late: o.task.base.late, ..base };
         // Other axes may not be written yet.
         let base = match o.task.base.joint() {
             Some(joint) if others == Others::AsFound => base.with_fronts(&joint.fronts()),
@@ -256,7 +258,12 @@ impl<'a> Written<'a> {
         let (disturbances, values) = disturbances(o, last);
         let chain = base.compose(&disturbances);
         let own = chain.parameters.len() - values.len();
-        let start = std::iter::repeat_n(0.0, own).chain(values).collect();
+        let mut start: Vec<f64> = std::iter::repeat_n(0.0, own).chain(values).collect();
+        // When readings are taken is no part of a blueprint, and is what it was found to be.
+        let late = chain.parameters.iter().position(|p| p.is_base && p.name == LATE);
+        if let (Some(at), Some(late)) = (late, last.late()) {
+            start[at] = late;
+        }
         Some(Self { o, base, chain, start, count })
     }
 

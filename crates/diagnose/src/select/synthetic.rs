@@ -109,6 +109,7 @@ impl Synthetic {
             memory: None,
             gain_tolerance: 0.01,
             is_white: true,
+            late: None,
             part: Part::Axis,
             hints: Vec::new(),
         };

@@ -24,6 +24,12 @@ impl Thresholds {
     pub(crate) const FINER_STEPS: usize = 2;
     /// Error power that it must leave, over what the model's own step leaves.
     pub(crate) const FINER_LESS: f64 = 0.95;
+    /// Steps from row to row in which readings within the rows of a held command are simulated.
+    pub(crate) const WITHIN_ROW: usize = 4;
+    /// Where readings within the rows are looked for, in rows later.
+    pub(crate) const WITHIN_LATER: (f64, f64) = (-1.5, 1.0);
+    /// Parts of a row by which a held command looks like one that moves to the next row.
+    pub(crate) const LATE_AS_MOVING: (f64, f64) = (0.35, 0.65);
     /// Least motion of the reading while the command stands, over its range and over the noise, for another rest
     /// state.
     pub(crate) const START_MOVES: (f64, f64) = (0.05, 10.0);

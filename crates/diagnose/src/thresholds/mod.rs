@@ -49,6 +49,7 @@ mod tests {
             format!("and {} times that of an estimated one", Noise::ADEQUATE_ESTIMATED),
             format!("{} of each record, or `--holdout`", in_words(base::Thresholds::HELD_OUT)),
             format!("leaves less than {} of the power", base::Thresholds::READING_LESS),
+            format!("with {} steps from row to row, and the reading", base::Thresholds::WITHIN_ROW),
             format!(
                 "within {} of that frequency",
                 percent(1.0 - 2.0 * base::Thresholds::MODE_NEAR_NYQUIST)
