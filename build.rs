@@ -8,10 +8,15 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Package, library name, and the variable that overrides and passes on its path.
-const LIBRARIES: [(&str, &str, &str); 2] = [
-    ("piezoloop-fmu-blueprint", "piezoloop_blueprint", "PIEZOLOOP_BLUEPRINT_LIBRARY"),
-    ("piezoloop-fmu-wrap", "piezoloop_wrap", "PIEZOLOOP_WRAP_LIBRARY"),
+/// Package, library name, the variable that overrides and passes on its path, and the archive of it that is carried.
+const LIBRARIES: [(&str, &str, &str, &str); 2] = [
+    (
+        "piezoloop-fmu-blueprint",
+        "piezoloop_blueprint",
+        "PIEZOLOOP_BLUEPRINT_LIBRARY",
+        "blueprint.zip",
+    ),
+    ("piezoloop-fmu-wrap", "piezoloop_wrap", "PIEZOLOOP_WRAP_LIBRARY", "wrap.zip"),
 ];
 
 /// Set by the outer Cargo; inherited they would make the nested one use its folders or wrappers.
@@ -30,18 +35,21 @@ const REMOVED: [&str; 10] = [
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    for (_, _, variable) in LIBRARIES {
+    for (_, _, variable, _) in LIBRARIES {
         println!("cargo:rerun-if-env-changed={variable}");
     }
     println!("cargo:rerun-if-changed=build.rs");
     commit();
     shrink();
-    let missing: Vec<_> =
-        LIBRARIES.into_iter().filter(|(_, _, variable)| env::var_os(variable).is_none()).collect();
+    let missing: Vec<_> = LIBRARIES
+        .into_iter()
+        .filter(|(_, _, variable, _)| env::var_os(variable).is_none())
+        .collect();
     if missing.is_empty() {
-        for (_, _, variable) in LIBRARIES {
+        for (_, _, variable, archive) in LIBRARIES {
             let path = PathBuf::from(env::var(variable)?).canonicalize()?;
             pass_on(variable, &path);
+            pack(&path, archive)?;
             println!("cargo:rerun-if-changed={}", path.display());
         }
         return Ok(());
@@ -51,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let target = env::var("TARGET")?;
     nested_build(&root, &out, &target)?;
     let folder = out.join(&target).join("fmu");
-    for (_, library, variable) in LIBRARIES {
+    for (_, library, variable, archive) in LIBRARIES {
         let path = match env::var_os(variable) {
             Some(path) => PathBuf::from(path).canonicalize()?,
             None => folder.join(file_name(library)?),
@@ -60,6 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             return Err(format!("{} was not built", path.display()).into());
         }
         pass_on(variable, &path);
+        pack(&path, archive)?;
     }
     for path in sources(&folder)? {
         println!("cargo:rerun-if-changed={}", path.display());
@@ -138,7 +147,7 @@ fn cargo(
         command.arg("--offline");
     }
     command.arg("--target-dir").arg(out);
-    for (package, _, _) in LIBRARIES {
+    for (package, _, _, _) in LIBRARIES {
         command.args(["-p", package]);
     }
     for variable in REMOVED {
@@ -194,6 +203,42 @@ fn sources(folder: &Path) -> Result<BTreeSet<PathBuf>, Box<dyn Error>> {
 
 fn pass_on(variable: &str, path: &Path) {
     println!("cargo:rustc-env={variable}={}", path.display());
+}
+
+/// Writes a ZIP archive with the library as its only entry, which the tool carries: its file is smaller, and packing an FMU
+/// copies what is compressed here.
+fn pack(library: &Path, archive: &str) -> Result<(), Box<dyn Error>> {
+    const NAME: &[u8] = b"library";
+    let bytes = std::fs::read(library)?;
+    let deflated = miniz_oxide::deflate::compress_to_vec(&bytes, 9);
+    // What the local header and the directory have in common: version 2.0, no flags, deflated, midnight of 1980-01-01.
+    let mut common = vec![20, 0, 0, 0, 8, 0, 0, 0, 0x21, 0];
+    for size in [crc32(&bytes), u32::try_from(deflated.len())?, u32::try_from(bytes.len())?] {
+        common.extend(size.to_le_bytes());
+    }
+    common.extend([u8::try_from(NAME.len())?, 0, 0, 0]);
+    let mut zip = [b"PK\x03\x04", &common[..], NAME, &deflated].concat();
+    let start = u32::try_from(zip.len())?;
+    // Made on Unix; no comment, the first disk, a file that everybody may run.
+    zip.extend(b"PK\x01\x02\x14\x03");
+    zip.extend(common);
+    zip.extend([0; 6]);
+    zip.extend((0o100_755_u32 << 16).to_le_bytes());
+    zip.extend([0; 4]);
+    zip.extend(NAME);
+    let size = u32::try_from(zip.len())? - start;
+    zip.extend(b"PK\x05\x06\0\0\0\0\x01\0\x01\0");
+    zip.extend([size.to_le_bytes(), start.to_le_bytes()].concat());
+    zip.extend([0, 0]);
+    std::fs::write(PathBuf::from(env::var("OUT_DIR")?).join(archive), zip)?;
+    Ok(())
+}
+
+/// The checksum of ZIP.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32| if crc & 1 == 1 { (crc >> 1) ^ 0xedb8_8320 } else { crc >> 1 };
+    let table: Vec<u32> = (0..256).map(|n| (0..8).fold(n, |crc, _| step(crc))).collect();
+    !bytes.iter().fold(!0, |crc, byte| table[usize::from(crc.to_le_bytes()[0] ^ byte)] ^ (crc >> 8))
 }
 
 /// Makes the tool's file smaller where the linker can: functions and constants of the same bytes once, relocations

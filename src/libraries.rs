@@ -2,16 +2,17 @@
 
 /// A shared library for this platform.
 pub(crate) struct Library {
-    /// Bytes of the file.
+    /// A ZIP archive with the library as its only entry, as a package takes it.
     pub(crate) bytes: &'static [u8],
 }
 
 /// The library of every packed blueprint, plant or controller.
 pub(crate) const BLUEPRINT: Library =
-    Library { bytes: include_bytes!(env!("PIEZOLOOP_BLUEPRINT_LIBRARY")) };
+    Library { bytes: include_bytes!(concat!(env!("OUT_DIR"), "/blueprint.zip")) };
 
 /// The repaired FMU's library.
-pub(crate) const WRAP: Library = Library { bytes: include_bytes!(env!("PIEZOLOOP_WRAP_LIBRARY")) };
+pub(crate) const WRAP: Library =
+    Library { bytes: include_bytes!(concat!(env!("OUT_DIR"), "/wrap.zip")) };
 
 /// The FMI 2.0 folder of the platform that the tool was built for.
 pub(crate) const PLATFORM: &str = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {

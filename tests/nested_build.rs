@@ -16,7 +16,7 @@ fn write(path: PathBuf, text: &str) {
     fs::write(path, text).unwrap();
 }
 
-/// A tool whose libraries need a crate that is vendored beside it, in `vendor`.
+/// A tool whose libraries and build script need crates that are vendored beside it, in `vendor`.
 fn sources(root: &Path, vendor: &Path) {
     let mut members = String::new();
     let mut locked = String::new();
@@ -44,13 +44,25 @@ fn sources(root: &Path, vendor: &Path) {
     }
     let manifest = format!(
         "[package]\nname = \"tool\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[dependencies]\nleaf = \"1\"\n\
-         [workspace]\nmembers = [{members}]\n[profile.fmu]\ninherits = \"release\"\n"
+         [build-dependencies]\nminiz_oxide = \"1\"\n[workspace]\nmembers = [{members}]\n[profile.fmu]\ninherits = \"release\"\n"
     );
     write(root.join("Cargo.toml"), &manifest);
+    // What the script packs the libraries with, which only passes them on here.
+    let packer = "pub mod deflate {\n    pub fn compress_to_vec(bytes: &[u8], _: u8) -> Vec<u8> {\n        \
+                  bytes.to_vec()\n    }\n}\n";
+    let vendored = [("leaf", "pub fn answer() -> u32 {\n    42\n}\n"), ("miniz_oxide", packer)];
+    let of_crates_io: String = vendored
+        .iter()
+        .map(|(name, _)| {
+            format!(
+                "[[package]]\nname = \"{name}\"\nversion = \"1.0.0\"\nsource = \
+                 \"registry+https://github.com/rust-lang/crates.io-index\"\nchecksum = \"{CHECKSUM}\"\n\n"
+            )
+        })
+        .collect();
     let lock = format!(
-        "version = 4\n\n[[package]]\nname = \"leaf\"\nversion = \"1.0.0\"\nsource = \
-         \"registry+https://github.com/rust-lang/crates.io-index\"\nchecksum = \"{CHECKSUM}\"\n\n{locked}\
-         [[package]]\nname = \"tool\"\nversion = \"0.1.0\"\ndependencies = [\"leaf\"]\n"
+        "version = 4\n\n{of_crates_io}{locked}[[package]]\nname = \"tool\"\nversion = \"0.1.0\"\n\
+         dependencies = [\"leaf\", \"miniz_oxide\"]\n"
     );
     write(root.join("Cargo.lock"), &lock);
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("build.rs");
@@ -59,11 +71,14 @@ fn sources(root: &Path, vendor: &Path) {
         "fn main() {{\n{variables}    println!(\"{{}}{{}}\", leaf::answer(), env!(\"PIEZOLOOP_COMMIT\"));\n}}\n"
     );
     write(root.join("src/main.rs"), &main);
-    let leaf = "[package]\nname = \"leaf\"\nversion = \"1.0.0\"\nedition = \"2024\"\n";
-    write(vendor.join("leaf/Cargo.toml"), leaf);
-    write(vendor.join("leaf/src/lib.rs"), "pub fn answer() -> u32 {\n    42\n}\n");
-    let sum = format!("{{\"files\":{{}},\"package\":\"{CHECKSUM}\"}}");
-    write(vendor.join("leaf/.cargo-checksum.json"), &sum);
+    for (name, code) in vendored {
+        let manifest =
+            format!("[package]\nname = \"{name}\"\nversion = \"1.0.0\"\nedition = \"2024\"\n");
+        write(vendor.join(name).join("Cargo.toml"), &manifest);
+        write(vendor.join(name).join("src/lib.rs"), code);
+        let sum = format!("{{\"files\":{{}},\"package\":\"{CHECKSUM}\"}}");
+        write(vendor.join(name).join(".cargo-checksum.json"), &sum);
+    }
 }
 
 fn files(folder: &Path) -> BTreeSet<PathBuf> {

@@ -5,7 +5,7 @@ use std::io::{Cursor, Write};
 use std::path::Path;
 
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, System, ZipWriter};
+use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 use super::error::PackageError;
 use super::platform::Platform;
@@ -45,7 +45,8 @@ impl PackageBuilder {
 
     /// Adds the shared library for a platform, named as in FMI 2.0 (`linux64`) or 3.0
     /// (`x86_64-linux`); it goes to the folder that the FMU's version prescribes, under the name
-    /// that the description's `modelIdentifier` prescribes.
+    /// that the description's `modelIdentifier` prescribes. A ZIP archive with the library as its only entry is copied as
+    /// it is compressed.
     ///
     /// # Errors
     /// If the platform is unknown or its library is there already.
@@ -223,7 +224,15 @@ fn add(
     path: &str,
     content: &[u8],
 ) -> Result<(), PackageError> {
-    let permissions = if path.starts_with("binaries/") { 0o755 } else { 0o644 };
+    let is_binary = path.starts_with("binaries/");
+    // Of no system is that the begin of a library.
+    if is_binary && content.starts_with(b"PK\x03\x04") {
+        let mut archive =
+            ZipArchive::new(Cursor::new(content)).map_err(|error| failed(path, &error))?;
+        let only = archive.by_index_raw(0).map_err(|error| failed(path, &error))?;
+        return zip.raw_copy_file_rename(only, path).map_err(|error| failed(path, &error));
+    }
+    let permissions = if is_binary { 0o755 } else { 0o644 };
     zip.start_file(path, options(permissions)).map_err(|error| failed(path, &error))?;
     zip.write_all(content).map_err(|error| failed(path, &error))
 }
