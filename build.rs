@@ -8,15 +8,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Package, library name, the variable that overrides and passes on its path, and the archive of it that is carried.
-const LIBRARIES: [(&str, &str, &str, &str); 2] = [
-    (
-        "piezoloop-fmu-blueprint",
-        "piezoloop_blueprint",
-        "PIEZOLOOP_BLUEPRINT_LIBRARY",
-        "blueprint.zip",
-    ),
-    ("piezoloop-fmu-wrap", "piezoloop_wrap", "PIEZOLOOP_WRAP_LIBRARY", "wrap.zip"),
+/// Package, library name, and the variable that overrides and passes on its path.
+const LIBRARIES: [(&str, &str, &str); 2] = [
+    ("piezoloop-fmu-blueprint", "piezoloop_blueprint", "PIEZOLOOP_BLUEPRINT_LIBRARY"),
+    ("piezoloop-fmu-wrap", "piezoloop_wrap", "PIEZOLOOP_WRAP_LIBRARY"),
 ];
 
 /// Set by the outer Cargo; inherited they would make the nested one use its folders or wrappers.
@@ -35,21 +30,18 @@ const REMOVED: [&str; 10] = [
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    for (_, _, variable, _) in LIBRARIES {
+    for (_, _, variable) in LIBRARIES {
         println!("cargo:rerun-if-env-changed={variable}");
     }
     println!("cargo:rerun-if-changed=build.rs");
     commit();
     shrink();
-    let missing: Vec<_> = LIBRARIES
-        .into_iter()
-        .filter(|(_, _, variable, _)| env::var_os(variable).is_none())
-        .collect();
+    let missing: Vec<_> =
+        LIBRARIES.into_iter().filter(|(_, _, variable)| env::var_os(variable).is_none()).collect();
     if missing.is_empty() {
-        for (_, _, variable, archive) in LIBRARIES {
+        for (_, library, variable) in LIBRARIES {
             let path = PathBuf::from(env::var(variable)?).canonicalize()?;
-            pass_on(variable, &path);
-            pack(&path, archive)?;
+            carry(library, variable, &path)?;
             println!("cargo:rerun-if-changed={}", path.display());
         }
         return Ok(());
@@ -59,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let target = env::var("TARGET")?;
     nested_build(&root, &out, &target)?;
     let folder = out.join(&target).join("fmu");
-    for (_, library, variable, archive) in LIBRARIES {
+    for (_, library, variable) in LIBRARIES {
         let path = match env::var_os(variable) {
             Some(path) => PathBuf::from(path).canonicalize()?,
             None => folder.join(file_name(library)?),
@@ -67,8 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if !path.is_file() {
             return Err(format!("{} was not built", path.display()).into());
         }
-        pass_on(variable, &path);
-        pack(&path, archive)?;
+        carry(library, variable, &path)?;
     }
     for path in sources(&folder)? {
         println!("cargo:rerun-if-changed={}", path.display());
@@ -147,7 +138,7 @@ fn cargo(
         command.arg("--offline");
     }
     command.arg("--target-dir").arg(out);
-    for (package, _, _, _) in LIBRARIES {
+    for (package, _, _) in LIBRARIES {
         command.args(["-p", package]);
     }
     for variable in REMOVED {
@@ -201,15 +192,12 @@ fn sources(folder: &Path) -> Result<BTreeSet<PathBuf>, Box<dyn Error>> {
     Ok(found)
 }
 
-fn pass_on(variable: &str, path: &Path) {
-    println!("cargo:rustc-env={variable}={}", path.display());
-}
-
-/// Writes a ZIP archive with the library as its only entry, which the tool carries: its file is smaller, and packing an FMU
-/// copies what is compressed here.
-fn pack(library: &Path, archive: &str) -> Result<(), Box<dyn Error>> {
+/// Passes on the path of a library, and writes a ZIP archive with it as its only entry, which the tool carries: its file is
+/// smaller, and packing an FMU copies what is compressed here.
+fn carry(library: &str, variable: &str, path: &Path) -> Result<(), Box<dyn Error>> {
     const NAME: &[u8] = b"library";
-    let bytes = std::fs::read(library)?;
+    println!("cargo:rustc-env={variable}={}", path.display());
+    let bytes = std::fs::read(path)?;
     let deflated = miniz_oxide::deflate::compress_to_vec(&bytes, 9);
     // What the local header and the directory have in common: version 2.0, no flags, deflated, midnight of 1980-01-01.
     let mut common = vec![20, 0, 0, 0, 8, 0, 0, 0, 0x21, 0];
@@ -230,7 +218,7 @@ fn pack(library: &Path, archive: &str) -> Result<(), Box<dyn Error>> {
     zip.extend(b"PK\x05\x06\0\0\0\0\x01\0\x01\0");
     zip.extend([size.to_le_bytes(), start.to_le_bytes()].concat());
     zip.extend([0, 0]);
-    std::fs::write(PathBuf::from(env::var("OUT_DIR")?).join(archive), zip)?;
+    std::fs::write(PathBuf::from(env::var("OUT_DIR")?).join(format!("{library}.zip")), zip)?;
     Ok(())
 }
 

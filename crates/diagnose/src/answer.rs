@@ -154,7 +154,7 @@ fn output(o: &Outcome, seed: u64) -> OutputGap {
         noise: o.task.noise.clone(),
         between: o.task.course.between,
         reading: o.task.course.reading,
-        reading_late: o.late(),
+        reading_late: o.found.last.late(),
     }
 }
 

@@ -127,11 +127,6 @@ impl Outcome {
         self.predicted.as_ref().unwrap_or(&self.found.last.judged)
     }
 
-    /// Seconds by which each reading is late within its row, where that was found.
-    pub(crate) fn late(&self) -> Option<f64> {
-        self.found.last.late()
-    }
-
     /// Mean square in SI that [`Self::best`] leaves, on fitted and held-out rows alike.
     pub(crate) fn left(&self) -> f64 {
         let judged = &self.best().judged;

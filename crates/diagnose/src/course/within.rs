@@ -10,6 +10,7 @@ use crate::between::{Between, Course};
 use crate::chain::{Node, Parameter};
 use crate::data_set::DataSet;
 use crate::fit::Fitter;
+use crate::gap::Verdict;
 use crate::outcome::{self, Outcome};
 use crate::path_block::RecordBlock;
 use crate::select::{Candidate, has_gap};
@@ -128,7 +129,7 @@ impl Within {
         let own = &self.outcome;
         let count = |o: &Outcome| o.found.last.picks.len();
         // The other names none, and is no better.
-        if other.verdict == crate::gap::Verdict::Unknown && !is_explained(own) {
+        if other.verdict == Verdict::Unknown && !is_explained(own) {
             return leaves_less(own, other);
         }
         let ratio = own.left() / other.left();
@@ -156,7 +157,7 @@ impl Within {
                 )
             }
         };
-        let warning = match outcome.late() {
+        let warning = match outcome.found.last.late() {
             Some(late) => format!(
                 "{output}: each reading is taken {} s after its row ({:.1} % of a row): at its row {instead} (--reading before \
                  keeps them there)",
