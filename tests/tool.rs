@@ -46,6 +46,7 @@ mod packed_library;
 mod packed_results;
 mod pages;
 mod ports;
+mod read_late;
 mod real_pea;
 mod record_names;
 mod repaired;

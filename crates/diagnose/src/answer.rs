@@ -16,6 +16,7 @@ use crate::gap::{
     Estimate, Gap, NamedEffect, OutputGap, Partial, Provenance, Retuned, SCHEMA, Shrink, Tried,
     Verdict,
 };
+use crate::new_record;
 use crate::outcome::Outcome;
 use crate::own_course;
 use crate::place::Maps;
@@ -176,6 +177,7 @@ fn shrink(o: &Outcome, after: &Judged, seed: u64) -> Shrink {
         unit: &o.task.unit,
         range,
         seed,
+        on_new_records: o.on_new_records.get_or_init(|| new_record::left(o, seed)),
     };
     let factor = o.task.factor;
     Shrink {
@@ -293,6 +295,13 @@ fn effect_of(
         belief::set(&beliefs).into_iter().map(|f| o.library[f].effect.name.to_owned()).collect();
     if !set.iter().any(|name| name == effect.name) {
         set.insert(0, effect.name.to_owned());
+    }
+    // Nobody knows under which of the readings that explain the log it was taken.
+    let probability = probability / (1 + o.otherwise.len()) as f64;
+    for (_, name) in &o.otherwise {
+        if !set.iter().any(|known| known == name) {
+            set.push((*name).to_owned());
+        }
     }
     NamedEffect {
         effect: effect.name.to_owned(),

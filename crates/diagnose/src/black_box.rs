@@ -16,6 +16,7 @@ use self::known::Known;
 use crate::chain::{Failed, Link};
 use crate::data_set::RecordData;
 use crate::error::Error;
+use crate::fmu::inner_step;
 use crate::thresholds::base::Thresholds;
 
 /// An FMU with one input that the chain drives, others that a record drives, and one output.
@@ -103,6 +104,15 @@ impl BlackBox {
             own.value += shift;
         }
         moved
+    }
+
+    /// Whether its own steps, as far as it states them, divide steps of this many seconds.
+    pub(crate) fn divides(&self, step: f64) -> bool {
+        let own = inner_step(self.shared.fmu.description());
+        own.is_none_or(|own| {
+            let count = step / own;
+            count > 0.5 && (count - count.round()).abs() < Thresholds::UNIFORM_TIMES
+        })
     }
 
     fn take(&self) -> Result<Box<dyn Slave>, cosim::Error> {

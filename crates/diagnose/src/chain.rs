@@ -103,6 +103,14 @@ pub(crate) enum Node {
 }
 
 impl Node {
+    /// The node over other records: an FMU knows their times.
+    pub(crate) fn over(&self, data: &DataSet) -> Self {
+        match self {
+            Self::BlackBox(fmu) => Self::BlackBox(fmu.over(data.hit_times().collect())),
+            other => other.clone(),
+        }
+    }
+
     /// The coupling of several axes that it is.
     pub(crate) fn joint(&self) -> Option<&Joint> {
         match self {
@@ -133,6 +141,12 @@ pub(crate) struct Chain {
 }
 
 impl Chain {
+    /// The chain over other records.
+    pub(crate) fn over(&self, data: &DataSet) -> Self {
+        let nodes = self.nodes.iter().map(|node| node.over(data)).collect();
+        Self { nodes, ..self.clone() }
+    }
+
     /// Whether an FMU is part of it.
     pub(crate) fn has_black_box(&self) -> bool {
         self.nodes.iter().any(|node| matches!(node, Node::BlackBox(_)))

@@ -29,13 +29,14 @@ use crate::thresholds::base::Thresholds;
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
     let said = (request.between, request.reading);
     let open = Course::open(task.course, said, task.data.has_steps());
-    if !task.base.is_white {
-        return outcome::of(task, request, count);
-    }
     let readings = Readings { fresh: task.clone(), request, count };
     let outcome = outcome::of(task, request, count)?;
     let Some(instant) = readings.instant(&outcome) else {
-        return Ok(readings.in_other_course(outcome, open));
+        // An FMU takes its time: other readings are tried where the usual one does not explain the logs.
+        let is_left = has_gap(&outcome.found.last, outcome.adequate);
+        let is_tried =
+            outcome.task.base.is_white || is_left || mode_near_nyquist(&outcome).is_some();
+        return Ok(if is_tried { readings.in_other_course(outcome, open) } else { outcome });
     };
     if instant.looks_moving() {
         let outcome = readings.in_other_course(outcome, open);
@@ -80,10 +81,12 @@ impl Readings<'_> {
         let (first, first_named) = (outcome.left(), names(&outcome));
         let had_lag = has_released_lag(&outcome);
         let outcome = match mode {
-            Some(_) => self.without_mode(outcome, open),
+            Some(_) => self.without_mode(outcome, &open),
             None => self.best(outcome, &open),
         };
-        let mut outcome = self.in_finer_steps(self.half_a_step_on(outcome));
+        let outcome = self.with_one_effect(outcome, usual, &open);
+        let outcome = self.in_finer_steps(self.half_a_step_on(outcome));
+        let mut outcome = self.or_otherwise(outcome, usual, &open);
         let (output, course) = (outcome.task.output.clone(), outcome.task.course);
         let read_as = |what: String| {
             format!(
@@ -125,7 +128,11 @@ impl Readings<'_> {
                 (first / outcome.left()).sqrt()
             ))),
         };
-        outcome.task.warnings.extend(warning);
+        let otherwise = outcome.otherwise.iter().map(|(course, name)| {
+            let name = name.replace('_', " ");
+            format!("{output}: with {}, {name} alone explains the logs as well", course.words())
+        });
+        outcome.task.warnings.extend(warning.into_iter().chain(otherwise));
         outcome
     }
 
@@ -160,8 +167,8 @@ impl Readings<'_> {
     }
 
     /// In place of a mode near half the sample rate: a reading under which the command moves.
-    fn without_mode(&self, outcome: Outcome, open: Vec<Course>) -> Outcome {
-        let open = open.into_iter().filter(|c| moves(*c)).rev();
+    fn without_mode(&self, outcome: Outcome, open: &[Course]) -> Outcome {
+        let open = open.iter().copied().filter(|c| moves(*c)).rev();
         let open = open.map(|course| (course, self.fresh.max_effects));
         self.taken(outcome, open, |other, outcome| {
             let count = |o: &Outcome| o.found.last.picks.len();
@@ -188,10 +195,11 @@ impl Readings<'_> {
             let rest: Vec<Course> = open.iter().copied().filter(|c| *c != course).collect();
             (outcome, tried) = self.pointed(outcome, &rest);
         }
-        if !is_open || !has_gap(&outcome.found.last, outcome.adequate) {
+        let is_left = has_gap(&outcome.found.last, outcome.adequate);
+        if !is_open || !is_left || !outcome.task.base.is_white {
             return outcome;
         }
-        let others = tried.into_iter().filter(|c| moves(*c) && *c != course).take(2);
+        let others = tried.into_iter().filter(|c| is_usual(*c) && *c != course).take(3);
         // One effect and the command explain all, or the reading is not taken: pairs take ten times as long.
         let others = others.map(|course| (course, self.fresh.max_effects.min(1)));
         self.taken(outcome, others, |other, outcome| {
@@ -203,6 +211,40 @@ impl Readings<'_> {
             }
             leaves_less(other, outcome) || stands_for_effects(other, outcome)
         })
+    }
+
+    /// In place of several effects, one under a reading to which they do not point: a wrong reading needs effects of its own.
+    fn with_one_effect(&self, outcome: Outcome, usual: Course, open: &[Course]) -> Outcome {
+        if outcome.found.last.picks.len() < 2 {
+            return outcome;
+        }
+        let others = untried(&outcome, usual, open).into_iter().map(|course| (course, 1));
+        self.taken(outcome, others, |other, outcome| {
+            !has_gap(&other.found.last, other.adequate) && stands_for_effects(other, outcome)
+        })
+    }
+
+    /// The answer, with the single effects that explain the log as well under another reading than the one that is taken
+    /// against what is usual.
+    fn or_otherwise(&self, mut outcome: Outcome, usual: Course, open: &[Course]) -> Outcome {
+        let course = outcome.task.course;
+        let is_one = outcome.found.last.picks.len() == 1;
+        if course == usual || !is_one || has_gap(&outcome.found.last, outcome.adequate) {
+            return outcome;
+        }
+        for course in untried(&outcome, usual, open) {
+            let Some(other) = self.answer_of(course, &self.fresh.data, 1) else { continue };
+            let is_one = other.found.last.picks.len() == 1;
+            let leaves_alike = other.left() < Thresholds::READING_FOR_EFFECT * outcome.left();
+            if is_one && leaves_alike && !has_gap(&other.found.last, other.adequate) {
+                let known = outcome.otherwise.iter().map(|(_, name)| *name).chain(names(&outcome));
+                let name = names(&other)[0];
+                if !known.collect::<Vec<_>>().contains(&name) {
+                    outcome.otherwise.push((course, name));
+                }
+            }
+        }
+        outcome
     }
 
     /// The answer, or that with the reading to which it points; and the readings to which it does not, the likeliest first.
@@ -231,7 +273,8 @@ impl Readings<'_> {
     /// that moves in linear parts alone.
     fn in_finer_steps(&self, outcome: Outcome) -> Outcome {
         let course = outcome.task.course;
-        let has_one = !self.fresh.data.has_steps() && outcome.task.coupled.is_none();
+        let is_alone = outcome.task.base.is_white && outcome.task.coupled.is_none();
+        let has_one = !self.fresh.data.has_steps() && is_alone;
         if course.between == Between::Zoh || !has_one || outcome.verdict != Verdict::Effects {
             return outcome;
         }
@@ -288,6 +331,17 @@ fn stands_for_effects(other: &Outcome, outcome: &Outcome) -> bool {
 fn names_lag(o: &Outcome) -> bool {
     let mut picks = o.found.last.picks.iter();
     picks.any(|(family, _)| o.library[*family].effect.group == Some(Group::Lag))
+}
+
+/// Other readings than the usual one and that of the answer.
+fn untried(o: &Outcome, usual: Course, open: &[Course]) -> Vec<Course> {
+    let taken = o.task.course;
+    open.iter().copied().filter(|c| is_usual(*c) && *c != taken && *c != usual).collect()
+}
+
+/// Whether the reading is a usual one of such a command.
+fn is_usual(course: Course) -> bool {
+    course.between == Between::Zoh || moves(course)
 }
 
 /// Whether the command moves, and the reading is the usual one of such a command.

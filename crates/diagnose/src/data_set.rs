@@ -251,6 +251,27 @@ impl DataSet {
         all
     }
 
+    /// The first rows of the longest record, so many at most, all in the fit, without auxiliary columns; one hit per row.
+    pub(crate) fn begin(&self, rows: usize) -> Option<Self> {
+        let record = self.records.iter().max_by_key(|r| r.rows.len())?;
+        let (first, run_in) = (record.rows.start, record.run_in.len());
+        let count = rows.min(run_in + record.rows.len());
+        let judged = first..first + count.saturating_sub(run_in);
+        let rows = RecordRows {
+            name: record.name.clone(),
+            time: [&record.run_in, &self.time[judged.clone()]].concat(),
+            command: record.logged[..count].to_vec(),
+            y: [&vec![0.0; run_in][..], &self.y[judged]].concat(),
+            aux: Vec::new(),
+            others: record.others.iter().map(|values| values[..count].to_vec()).collect(),
+            run_in,
+            training: 1.0,
+        };
+        let mut all = Self::new(vec![rows], &[], None);
+        all.records[0].rest = record.rest;
+        Some(all)
+    }
+
     /// These records on a grid with `parts` steps in the place of each.
     pub(crate) fn finer(&self, parts: usize) -> Self {
         self.in_parts(parts, 0)
@@ -293,6 +314,10 @@ impl DataSet {
             let training = given.training_hits_end;
             record.training_hits_end =
                 if training > given.hits.start { at(training - 1) + 1 + behind } else { start };
+            // Inputs that each record drives itself are held from their row on.
+            for values in record.others.iter_mut().filter(|_| self.others.is_empty()) {
+                *values = values.iter().flat_map(|v| std::iter::repeat_n(*v, parts)).collect();
+            }
             record.hit_of_row.iter_mut().for_each(|hit| *hit *= parts as u32);
             let end = at(given.hits.end - 1) + 1 + behind;
             record.hits = start..end;
@@ -367,6 +392,22 @@ impl DataSet {
         self.records.iter().map(|record| {
             let judged = &self.time[record.rows.clone()];
             (record.rows.start, [&record.run_in, judged].concat())
+        })
+    }
+
+    /// Times of the hits of each record, by the record's first row.
+    pub(crate) fn hit_times(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
+        self.times().zip(&self.records).map(|((first, times), record)| {
+            let mut all = Vec::with_capacity(record.hits.len());
+            for (pair, hits) in times.windows(2).zip(record.hit_of_row.windows(2)) {
+                let steps = hits[1] - hits[0];
+                let part = (pair[1] - pair[0]) / f64::from(steps.max(1));
+                all.extend((0..steps).map(|step| pair[0] + part * f64::from(step)));
+            }
+            let end = times.last().copied().unwrap_or(0.0);
+            let rest = record.hits.len().saturating_sub(all.len());
+            all.extend((0..rest).map(|step| end + self.step * step as f64));
+            (first, all)
         })
     }
 

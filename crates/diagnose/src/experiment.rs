@@ -8,7 +8,6 @@ use surround::Span;
 
 use crate::base::Part;
 use crate::belief;
-use crate::chain::{Chain, Node};
 use crate::data_set::{DataSet, RecordRows};
 use crate::fit::{Fitter, Linear};
 use crate::gap::NextExperiment;
@@ -161,7 +160,7 @@ fn gains(
     let data = record(o, item);
     let count = std::sync::atomic::AtomicU64::new(0);
     let fitter = Fitter { data: &data, sigma: o.sigma, count: &count, weights: None };
-    let played = |of: &Candidate| fitter.linearise(&over(&of.chain, &data), &of.fit.theta).ok();
+    let played = |of: &Candidate| fitter.linearise(&of.chain.over(&data), &of.fit.theta).ok();
     let left = played(a)?;
     // Whichever of two is true, the other must be off.
     let gain = |(_, b): &(usize, &Candidate)| {
@@ -195,17 +194,6 @@ fn misfit(data: &DataSet, left: &Linear, (right, b): (&Linear, &Candidate)) -> O
     }
     let step = normal.cholesky()?.solve(&gradient);
     Some((dot(&apart, &apart) - gradient.dot(&step)).max(0.0))
-}
-
-/// A chain over other records.
-fn over(chain: &Chain, data: &DataSet) -> Chain {
-    let mut chain = chain.clone();
-    for node in &mut chain.nodes {
-        if let Node::BlackBox(fmu) = node {
-            *fmu = fmu.over(data.times().collect());
-        }
-    }
-    chain
 }
 
 /// What is played on a neighbour's command; anything else stays where it was in the middle.

@@ -42,6 +42,8 @@ pub(crate) struct Fit {
     pub(crate) mean_square: f64,
     /// Standard deviation of each coordinate; `None` where it is at its bound or not seen.
     pub(crate) deviations: Vec<Option<f64>>,
+    /// Information about the coordinates: of the training rows, and the priors.
+    pub(crate) information: DMatrix<f64>,
 }
 
 /// A point and the residual there.
@@ -281,9 +283,10 @@ impl<'a> Work<'a> {
     }
 
     fn fitted(&self, point: Point, columns: &[Vec<f64>]) -> Fit {
-        let deviations = self.deviations(&point, columns);
+        let information = self.information(&point, columns);
+        let deviations = self.deviations(&point, &information);
         let mean_square = point.squares / point.residual.len().max(1) as f64;
-        Fit { theta: point.theta, mean_square, deviations }
+        Fit { theta: point.theta, mean_square, deviations, information }
     }
 
     /// A thorough fit that makes few runs of an FMU: each step corrects the sensitivities to its parameters by what
@@ -458,19 +461,24 @@ impl<'a> Work<'a> {
         None
     }
 
-    fn deviations(&self, point: &Point, columns: &[Vec<f64>]) -> Vec<Option<f64>> {
+    fn information(&self, point: &Point, columns: &[Vec<f64>]) -> DMatrix<f64> {
         let weight = self.fitter.effective() / point.squares.max(1e-9);
         let (mut normal, _) = normal_equations(columns, &point.residual, weight);
         for (k, p) in self.chain().parameters.iter().enumerate() {
             normal[(k, k)] += p.prior;
         }
+        normal
+    }
+
+    fn deviations(&self, point: &Point, information: &DMatrix<f64>) -> Vec<Option<f64>> {
+        let mut normal = information.clone();
         let seen: Vec<bool> = (0..normal.nrows()).map(|k| normal[(k, k)] > 0.0).collect();
         for k in 0..normal.nrows() {
             normal[(k, k)] = normal[(k, k)].mul_add(1.0 + 1e-12, f64::MIN_POSITIVE);
         }
         let inverse = normal.cholesky().map(|c| c.inverse());
         let parameters = &self.chain().parameters;
-        (0..columns.len())
+        (0..parameters.len())
             .map(|k| {
                 let (p, q) = (&parameters[k], point.theta[k]);
                 let is_inside = q > p.low && q < p.high;

@@ -27,6 +27,7 @@ mod fmu;
 mod gap;
 mod jitter;
 mod library;
+mod new_record;
 mod noise;
 mod normal;
 mod nuisance;

@@ -12,11 +12,13 @@
 //! | belief | what was found | the same under the noise that the effects reveal, and the verdict |
 //! | repair | what is believed | the offset and the evidence that belong to the repaired model |
 
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicU64;
 
 use components::effects;
 use surround::Span;
 
+use crate::between::Course;
 use crate::data_set::DataSet;
 use crate::error::Error;
 use crate::fit::Fitter;
@@ -65,6 +67,10 @@ pub(crate) struct Outcome {
     pub(crate) original: Option<Original>,
     /// The answer judged without a course of its own, which no model predicts, where it has one.
     pub(crate) predicted: Option<Judged>,
+    /// Single effects that explain the log as well, each under another reading of it.
+    pub(crate) otherwise: Vec<(Course, &'static str)>,
+    /// Draws of the part of the gap's power that is left on new records, once they are asked for.
+    pub(crate) on_new_records: OnceLock<Vec<f64>>,
 }
 
 /// The model as it came, where a part of what is missing was found in other axes.
@@ -412,6 +418,8 @@ impl Run<'_> {
             predicted,
             moved_by: Vec::new(),
             original: None,
+            otherwise: Vec::new(),
+            on_new_records: OnceLock::new(),
         }
     }
 

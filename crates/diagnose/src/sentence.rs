@@ -20,6 +20,11 @@ fn percent(part: f64) -> f64 {
     (100.0 * part).round() + 0.0
 }
 
+/// The low end of an interval of fractions, in percent: a repair that doubles the error or more is worth no number.
+pub(crate) fn at_least(part: f64) -> String {
+    if part < -1.0 { "less than -100".to_owned() } else { format!("{:.0}", percent(part)) }
+}
+
 pub(crate) fn of(gap: &Gap) -> String {
     let s = &gap.shrink;
     let output = &gap.place.output;
@@ -127,7 +132,7 @@ fn named(gap: &Gap, of: &str, s: &Shrink) -> String {
         (Some(f), Some([low, high])) => {
             // One record does not show how records of another kind differ.
             let of = if s.holdout.len() == 1 { " for a record like this one" } else { "" };
-            let interval = format!("95 %{of}: {:.0} to {:.0} %", percent(low), percent(high));
+            let interval = format!("95 %{of}: {} to {:.0} %", at_least(low), percent(high));
             match s.as_found.filter(|found| found - f > Thresholds::REPAIR_LOSS) {
                 None => format!(
                     "removes {:.0} % of the gap's power on held-out rows ({interval})",

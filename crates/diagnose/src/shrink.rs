@@ -1,5 +1,7 @@
 //! How much of the gap goes, with a prediction interval for a new record.
 
+use numerics::random::SplitMix64;
+
 use crate::data_set::DataSet;
 use crate::gap::{HeldOut, Shrink};
 use crate::random::Random;
@@ -19,6 +21,8 @@ pub(crate) struct Evidence<'a> {
     /// Range of the measured output in its unit.
     pub(crate) range: f64,
     pub(crate) seed: u64,
+    /// Draws of the part of the gap's power that is left on new records.
+    pub(crate) on_new_records: &'a [f64],
 }
 
 /// Fraction of the gap's power that goes, from mean squares over the noise's.
@@ -125,6 +129,19 @@ impl Evidence<'_> {
         let left = |spread: f64| 1.0 - (1.0 - total) * (1.96 * spread).exp();
         let (low, high) =
             (low.min(left(Thresholds::RATIO_SPREAD)), high.max(left(-Thresholds::RATIO_SPREAD)));
-        [low.max(-1.0), high.min(1.0)]
+        let [least, most] = self.of_new_records(total).unwrap_or([low, high]);
+        [low.max(-1.0).min(least), high.max(most).min(1.0)]
+    }
+    /// The same by draws of new records, which leave what the formula leaves anyway, too.
+    fn of_new_records(&self, total: f64) -> Option<[f64; 2]> {
+        let mut random = SplitMix64::new(self.seed);
+        let part = |left: &f64| {
+            let spread = (Thresholds::RATIO_SPREAD * random.normal()).exp();
+            1.0 - (left + 1.0 - total) * spread
+        };
+        let mut fractions: Vec<f64> = self.on_new_records.iter().map(part).collect();
+        fractions.sort_by(f64::total_cmp);
+        let last = fractions.len().checked_sub(1)? as f64;
+        Some([0.025, 0.975].map(|q| fractions[(last * q).round() as usize]))
     }
 }

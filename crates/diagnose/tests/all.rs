@@ -8,6 +8,7 @@ mod coupled;
 mod evidence;
 mod experiment;
 mod hardening;
+mod interval;
 mod names;
 mod real_data;
 mod repair;

@@ -1,5 +1,7 @@
 use components::effects::{AMPLIFIER_BANDWIDTH, CLOCK_OFFSET, CREEP, DAC_QUANTISATION, DELAY};
 
+use nalgebra::DMatrix;
+
 use super::*;
 use crate::chain::Chain;
 use crate::fit::Fit;
@@ -10,7 +12,12 @@ fn candidate((training, held_out): (f64, f64), rank: f64, freedom: usize) -> Can
     Candidate {
         picks: Vec::new(),
         chain: Chain { nodes: Vec::new(), parameters: Vec::new(), drive: 0, nuisances: Vec::new() },
-        fit: Fit { theta: Vec::new(), mean_square: 1.0 + training, deviations: Vec::new() },
+        fit: Fit {
+            theta: Vec::new(),
+            mean_square: 1.0 + training,
+            deviations: Vec::new(),
+            information: DMatrix::zeros(0, 0),
+        },
         judged: Judged {
             residual: Vec::new(),
             held_out: 1.0 + held_out,

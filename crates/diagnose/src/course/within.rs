@@ -7,9 +7,9 @@
 use super::{Readings, is_explained, leaves_less, mode_near_nyquist, names};
 use crate::base::Base;
 use crate::between::{Between, Course};
-use crate::chain::{Node, Parameter};
+use crate::chain::{Chain, Node, Parameter};
 use crate::data_set::DataSet;
-use crate::fit::Fitter;
+use crate::fit::{Fit, Fitter};
 use crate::gap::Verdict;
 use crate::outcome::{self, Outcome};
 use crate::path_block::RecordBlock;
@@ -52,11 +52,18 @@ impl Readings<'_> {
     pub(super) fn instant(&self, outcome: &Outcome) -> Option<Instant> {
         let Task { course, base, coupled, .. } = &outcome.task;
         let is_alone = base.joint().is_none() && coupled.is_none();
-        let is_held = course.between == Between::Zoh && base.is_white && is_alone;
+        let is_held = course.between == Between::Zoh && is_alone;
         if !is_held || !has_gap(&outcome.found.base, outcome.adequate) {
             return None;
         }
         let data = self.fresh.data.played(*course).within_rows(Thresholds::WITHIN_ROW)?;
+        let divides = |node: &Node| !matches!(node, Node::BlackBox(fmu) if !fmu.divides(data.step));
+        if !base.nodes.iter().all(divides) {
+            return None;
+        }
+        if !base.is_white && !self.shows_instant(outcome) {
+            return None;
+        }
         let both = [&outcome.found.base, outcome.best()];
         let [of_base, of_best] = both.map(|c| self.later(outcome, c, &data));
         let is_all = of_base.is_some_and(|(part, _)| {
@@ -75,12 +82,31 @@ impl Readings<'_> {
         })
     }
 
+    /// Whether the first rows alone show that the base with readings at one instant leaves about as little as the answer, or
+    /// that the best answer leaves clearly less with it: an FMU takes its time for all rows in parts.
+    fn shows_instant(&self, o: &Outcome) -> bool {
+        let begin = self.fresh.data.begin(Thresholds::WITHIN_SEEN);
+        let Some(rows) = begin.map(|data| data.played(o.task.course)) else { return false };
+        let Some(parts) = rows.within_rows(Thresholds::WITHIN_ROW) else { return false };
+        let left = |c: &Candidate| {
+            let chain = c.chain.over(&rows);
+            let fitter = Fitter { data: &rows, sigma: o.sigma, count: self.count, weights: None };
+            Some(fitter.fit_again(&chain, &c.fit.theta).ok()?.mean_square)
+        };
+        let with = |c: &Candidate| Some(self.fit_later(o, c, &parts)?.1.mean_square);
+        let (base, best) = (&o.found.base, o.best());
+        let is_all = || Some(with(base)? < Thresholds::READING_FOR_EFFECT * left(best)?);
+        let is_less = || Some(with(best)? < Thresholds::READING_LESS * left(best)?);
+        is_all() == Some(true) || (has_gap(best, o.adequate) && is_less() == Some(true))
+    }
+
     /// The answer with readings that are late by a part of a row, or with delays that are exact within one.
     pub(super) fn within_rows(&self, outcome: &Outcome, instant: Instant) -> Option<Within> {
         let Instant { data, course, later, .. } = instant;
         let row = data.sample_time;
         let late = (later > 0.0).then_some((row, Thresholds::WITHIN_ROW));
-        let base = Base { late, ..outcome.task.base.clone() };
+        let nodes = outcome.task.base.nodes.iter().map(|node| node.over(&data)).collect();
+        let base = Base { late, nodes, ..outcome.task.base.clone() };
         let task = Task { data, base, course, ..self.fresh.clone() };
         let outcome = outcome::of(task, self.request, self.count).ok()?;
         Some(Within { outcome, row })
@@ -89,7 +115,15 @@ impl Readings<'_> {
     /// The part of its error power that a candidate leaves with readings at the best instant, and by how many seconds that is
     /// later than the instants of the rows.
     fn later(&self, o: &Outcome, c: &Candidate, data: &DataSet) -> Option<(f64, f64)> {
-        let mut chain = c.chain.clone();
+        let (chain, fit) = self.fit_later(o, c, data)?;
+        let judged = o.judge.judge(&chain, &fit.theta, data, o.sigma, self.count).ok()?;
+        let before = c.judged.training + c.judged.held_out;
+        Some(((judged.training + judged.held_out) / before, fit.theta[c.chain.parameters.len()]))
+    }
+
+    /// A candidate with readings at the best instant.
+    fn fit_later(&self, o: &Outcome, c: &Candidate, data: &DataSet) -> Option<(Chain, Fit)> {
+        let mut chain = c.chain.over(data);
         let own = chain.parameters.len();
         let (low, high) = Thresholds::WITHIN_LATER;
         chain.parameters.push(Parameter {
@@ -109,10 +143,8 @@ impl Readings<'_> {
         chain.nodes.push(Node::Block { block: block.into(), takes, aux: 0, of_command: false });
         let start = [&c.fit.theta[..], &[0.0]].concat();
         let fitter = Fitter { data, sigma: o.sigma, count: self.count, weights: None };
-        let theta = fitter.fit_again(&chain, &start).ok()?.theta;
-        let judged = o.judge.judge(&chain, &theta, data, o.sigma, self.count).ok()?;
-        let before = c.judged.training + c.judged.held_out;
-        Some(((judged.training + judged.held_out) / before, theta[own]))
+        let fit = fitter.fit_again(&chain, &start).ok()?;
+        Some((chain, fit))
     }
 }
 

@@ -33,6 +33,14 @@ impl<'a> Fitter<'a> {
         Ok(Linear { residual: point.residual, columns, chain: chain.clone(), squares })
     }
 
+    /// Residual at the rows of the fit, in standard deviations.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`].
+    pub(crate) fn residual(self, chain: &'a Chain, theta: &[f64]) -> Result<Vec<f64>, Failed> {
+        Ok(self.work(chain).keep(theta)?.residual)
+    }
+
     /// For each start the part of the residual's squares that a candidate would take in the first
     /// order, with the parameters that are known moving along, and where that takes them; `screened` of its own parameters move.
     pub(crate) fn promises(

@@ -32,7 +32,7 @@ fn delay(s: &Setting<'_>) -> Family {
     let slot = if s.base.is_white || !is_alone { Slot::Command } else { Slot::Reading };
     let whole = Formula::new("transport delay");
     // In parts of a row the command of a model in steps of a row is a mean, to which it does not quite answer so.
-    if let (Some(parts), Slot::Command) = (s.data.within, slot) {
+    if let Some(parts) = s.data.within.filter(|_| s.base.is_white || is_alone) {
         let block = RecordBlock::Instant { parts, is_late: false };
         let within = Formula::new("transport delay, exact within a row");
         let within = within.block(Slot::Reading, block, vec![time.clone()]);

@@ -64,7 +64,8 @@ fn figures(mut page: Report, gap: &Gap) -> Report {
         page = page.key_figure(figure.note("no model predicts it".to_owned()));
     } else if let Some(fraction) = s.fraction {
         let note = s.ci95.map_or_else(String::new, |[low, high]| {
-            format!("95 % for a new record like these: {:.0} to {:.0} %", 100.0 * low, 100.0 * high)
+            let low = crate::sentence::at_least(low);
+            format!("95 % for a new record like these: {low} to {:.0} %", 100.0 * high)
         });
         let figure = KeyFigure::new("Share of the gap's power removed", 100.0 * fraction, "%");
         page = page.key_figure(figure.note(note));

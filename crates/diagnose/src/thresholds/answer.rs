@@ -62,6 +62,8 @@ impl Thresholds {
     pub(crate) const REPAIR_LOSS: f64 = 0.02;
     /// Draws of the bootstrap.
     pub(crate) const BOOTSTRAP_DRAWS: usize = 400;
+    /// Least weight of the answer beside its rivals, where machines are drawn.
+    pub(crate) const NAMED_LEAST: f64 = 0.05;
     /// Spread of the logarithm of the error left over the error before, from one set of records to another.
     pub(crate) const RATIO_SPREAD: f64 = 0.35;
     /// Rows of a stretch on which single waves can be seen.

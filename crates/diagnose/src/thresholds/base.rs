@@ -26,6 +26,8 @@ impl Thresholds {
     pub(crate) const FINER_LESS: f64 = 0.95;
     /// Steps from row to row in which readings within the rows of a held command are simulated.
     pub(crate) const WITHIN_ROW: usize = 4;
+    /// Rows of an FMU's log in which it is seen first whether readings are within the rows.
+    pub(crate) const WITHIN_SEEN: usize = 4000;
     /// Where readings within the rows are looked for, in rows later.
     pub(crate) const WITHIN_LATER: (f64, f64) = (-1.5, 1.0);
     /// Parts of a row by which a held command looks like one that moves to the next row.
