@@ -218,7 +218,15 @@ impl Readings<'_> {
         if outcome.found.last.picks.len() < 2 {
             return outcome;
         }
-        let others = untried(&outcome, usual, open).into_iter().map(|course| (course, 1));
+        let base = |course: &Course| part(&outcome, &outcome.found.base, *course, self.count);
+        let mut others: Vec<(Course, f64)> = untried(&outcome, usual, open)
+            .into_par_iter()
+            .with_max_len(1)
+            .filter_map(|course| Some((course, base(&course)?)))
+            .filter(|(_, part)| *part < Thresholds::READING_TRIED_FOR_ONE)
+            .collect();
+        others.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let others = others.into_iter().map(|(course, _)| (course, 1)).take(2);
         self.taken(outcome, others, |other, outcome| {
             !has_gap(&other.found.last, other.adequate) && stands_for_effects(other, outcome)
         })
@@ -361,25 +369,23 @@ fn promising(o: &Outcome, open: &[Course], count: &AtomicU64) -> Vec<(Course, f6
         .par_iter()
         .with_max_len(1)
         .filter_map(|course| {
-            let data = o.task.data.played(*course);
-            let left = |c: &Candidate| {
-                let fitter = Fitter { data: &data, sigma: o.sigma, count, weights: None };
-                let theta = fitter.fit_again(&c.chain, &c.fit.theta).ok()?.theta;
-                let judged = o.judge.judge(&c.chain, &theta, &data, o.sigma, count).ok()?;
-                let before = c.judged.training + c.judged.held_out;
-                Some((judged.training + judged.held_out, before))
-            };
-            let part = |c: &Candidate| {
-                // What leaves next to nothing needs no other reading.
-                let is_open = has_gap(c, o.adequate);
-                left(c).filter(|_| is_open).map(|(after, before)| after / before)
-            };
-            let parts = both.iter().filter_map(|c| part(c));
+            // What leaves next to nothing needs no other reading.
+            let open = both.iter().filter(|c| has_gap(c, o.adequate));
+            let parts = open.filter_map(|c| part(o, c, *course, count));
             Some((*course, parts.min_by(f64::total_cmp)?))
         })
         .collect();
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));
     tried
+}
+
+/// The error power that a candidate leaves when the logs are read so, over what it leaves now.
+fn part(o: &Outcome, c: &Candidate, course: Course, count: &AtomicU64) -> Option<f64> {
+    let data = o.task.data.played(course);
+    let fitter = Fitter { data: &data, sigma: o.sigma, count, weights: None };
+    let theta = fitter.fit_again(&c.chain, &c.fit.theta).ok()?.theta;
+    let judged = o.judge.judge(&c.chain, &theta, &data, o.sigma, count).ok()?;
+    Some((judged.training + judged.held_out) / (c.judged.training + c.judged.held_out))
 }
 
 /// The greatest part of the error power with which another reading is tried.

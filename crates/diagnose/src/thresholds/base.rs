@@ -18,6 +18,9 @@ impl Thresholds {
     pub(crate) const MODE_NEAR_NYQUIST: f64 = 0.45;
     /// As [`Self::READING_LESS`], for trying another reading where a released lag was found.
     pub(crate) const READING_TRIED_FOR_LAG: f64 = 0.95;
+    /// Error power that the re-tuned model may leave under another reading, over that under the usual one, where one effect is
+    /// tried with it in place of several.
+    pub(crate) const READING_TRIED_FOR_ONE: f64 = 1.2;
     /// Error power that another reading may leave with fewer effects, over that with them.
     pub(crate) const READING_FOR_EFFECT: f64 = 1.1;
     /// Steps from row to row of a model that has one, where a command moves that acts on a curved part.
