@@ -2,6 +2,7 @@
 
 mod again;
 mod baseline;
+mod carried;
 mod repaired;
 mod source;
 mod tolerances;
@@ -210,6 +211,7 @@ impl Diagnose {
         let mut libraries = self.libraries(self.is_fmu())?;
         let mut request = self.request(&source)?;
         let unmatched = check_tolerances(&request)?;
+        let said = source.fmu().map_or(Ok(Vec::new()), |fmu| carried::add(&mut request, &fmu))?;
         let mut bar = Bar(cli::bar(screen, "diagnose", 1));
         let mut diagnosis = diagnose::examine(&request, &mut bar);
         if let Source::Generated(model) = &mut source {
@@ -241,15 +243,14 @@ impl Diagnose {
         diagnosis.gap.baseline = baseline;
         diagnosis.gap.provenance.model = name.unwrap_or(diagnosis.gap.provenance.model);
         diagnosis.gap.warnings.extend(unmatched);
-        diagnosis.gap.warnings.splice(0..0, notes);
+        diagnosis.gap.warnings.splice(0..0, notes.into_iter().chain(said));
         // Before the answer, which speaks of the model that is handed back; where that cannot be
         // written the answer is there all the same.
         let is_repaired = matches!(diagnosis.gap.verdict, Verdict::Effects | Verdict::Retune);
-        let repaired = self
-            .repair
-            .as_deref()
-            .filter(|_| is_repaired)
-            .map(|file| self.write_repair(&mut diagnosis, (&source, file), &libraries));
+        let repaired = self.repair.as_deref().filter(|_| is_repaired).map(|file| {
+            let names = &request.names;
+            self.write_repair(&mut diagnosis, (&source, file), names, &libraries)
+        });
         if let Some(file) = self.json_file() {
             let text = serde_json::to_string_pretty(&diagnosis.gap)? + "\n";
             WholeFile::write_all_of(file, text.as_bytes())

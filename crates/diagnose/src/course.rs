@@ -40,7 +40,7 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
     };
     if instant.looks_moving() {
         let outcome = readings.in_other_course(outcome, open);
-        let moves = outcome.task.course.between != Between::Zoh && is_explained(&outcome);
+        let moves = outcome.task.course.between != Between::Zoh && outcome.verdict.is_explained();
         if moves && (!instant.is_all() || outcome.found.last.picks.is_empty()) {
             return Ok(outcome);
         }
@@ -177,7 +177,7 @@ impl Readings<'_> {
                 && without_mode(outcome)
                     .is_some_and(|left| held_out(other) < Thresholds::READING_LESS * left);
             let leaves_less = count(other) <= count(outcome) && other.left() < outcome.left();
-            is_explained(other)
+            other.verdict.is_explained()
                 && mode_near_nyquist(other).is_none()
                 && (stands_for_it || leaves_less)
         })
@@ -207,7 +207,9 @@ impl Readings<'_> {
             // reading, which a delay of half a row may imitate: else it helps wrong names.
             if outcome.verdict == Verdict::Unknown {
                 let leaves_nothing = !has_gap(&other.found.last, other.adequate);
-                return is_explained(other) && leaves_nothing && leaves_less(other, outcome);
+                return other.verdict.is_explained()
+                    && leaves_nothing
+                    && leaves_less(other, outcome);
             }
             leaves_less(other, outcome) || stands_for_effects(other, outcome)
         })
@@ -310,11 +312,6 @@ fn names(o: &Outcome) -> Vec<&'static str> {
     o.found.last.picks.iter().map(|(family, _)| o.library[*family].effect.name).collect()
 }
 
-/// Whether the answer explains the log: by effects, or because none is needed.
-fn is_explained(o: &Outcome) -> bool {
-    matches!(o.verdict, Verdict::Effects | Verdict::Retune | Verdict::Adequate)
-}
-
 /// Whether a lag of the model that acts faster was found, as a command looks like that moves between the rows.
 fn has_released_lag(o: &Outcome) -> bool {
     o.found.last.picks.iter().any(|(family, number)| {
@@ -330,7 +327,7 @@ fn leaves_less(other: &Outcome, outcome: &Outcome) -> bool {
 
 /// Whether this reading explains the log with fewer effects, and leaves about as much.
 fn stands_for_effects(other: &Outcome, outcome: &Outcome) -> bool {
-    is_explained(other)
+    other.verdict.is_explained()
         && other.found.last.picks.len() < outcome.found.last.picks.len()
         && other.left() < Thresholds::READING_FOR_EFFECT * outcome.left()
 }

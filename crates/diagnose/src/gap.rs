@@ -84,6 +84,14 @@ pub enum Verdict {
     InsufficientExcitation,
 }
 
+impl Verdict {
+    /// Whether the logs are explained: by effects, or because none is needed.
+    #[must_use]
+    pub const fn is_explained(self) -> bool {
+        matches!(self, Self::Effects | Self::Retune | Self::Adequate)
+    }
+}
+
 /// One effect that the model lacks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedEffect {

@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicU64;
 
 use crate::library::Formula;
 use crate::outcome::Outcome;
+use crate::repair::found;
 use crate::score::explained;
 use crate::select::{Candidate, Memo, Search};
 use crate::thresholds::repair::Thresholds;
@@ -35,7 +36,7 @@ pub(crate) fn stand_in(
         let (effect, best) = (family.effect.name, &family.formulas[pick.1]);
         let is_own = best.pieces.is_empty() && best.force.is_none();
         if (is_own && (!best.releases.is_empty() || best.joint_mode.is_some()))
-            || is_written(effect, best, &values_of(o, &last, slot))
+            || found(o, &last).nth(slot).is_some_and(|(.., own)| is_written(effect, best, &own))
         {
             continue;
         }
@@ -78,14 +79,4 @@ pub(crate) fn stand_in(
         }
     }
     (last, notes)
-}
-
-/// Fitted values of the effect number `slot`.
-fn values_of(o: &Outcome, c: &Candidate, slot: usize) -> Vec<f64> {
-    let count =
-        |(family, number): &(usize, usize)| o.library[*family].formulas[*number].parameters.len();
-    let base = c.chain.parameters.iter().take_while(|p| p.is_base).count();
-    let first = base + c.picks[..slot].iter().map(count).sum::<usize>();
-    let range = first..first + count(&c.picks[slot]);
-    range.map(|k| c.chain.parameters[k].value(c.fit.theta[k])).collect()
 }

@@ -66,11 +66,9 @@ fn is_doubtful(gap: &Gap) -> bool {
 }
 
 fn is_better(other: &Gap, best: &Gap) -> bool {
-    let is_explained =
-        |gap: &Gap| matches!(gap.verdict, Verdict::Effects | Verdict::Retune | Verdict::Adequate);
     let after = |gap: &Gap| gap.shrink.rms_after;
-    is_explained(other)
-        && match is_explained(best) {
+    other.verdict.is_explained()
+        && match best.verdict.is_explained() {
             true => {
                 other.effects.len() < best.effects.len() && after(other) <= AS_MUCH * after(best)
             }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, bail};
+use data::NameMap;
 use diagnose::Diagnosis;
 use fmi_bindings::export::Library;
 use modeldescription::FmiVersion;
@@ -47,13 +48,13 @@ impl Diagnose {
         &self,
         diagnosis: &Diagnosis,
         (model, file): (&Path, &Path),
+        names: &NameMap,
         others: &[Binary],
     ) -> anyhow::Result<Vec<String>> {
         let mut carried = vec![(libraries::PLATFORM, libraries::WRAP.bytes)];
         carried
             .extend(others.iter().map(|b| (b.platform.folder(FmiVersion::V3), b.bytes.as_slice())));
-        let names = self.options.names()?;
-        let mut repaired = diagnosis.repair_fmu(model, &names, &carried)?;
+        let mut repaired = diagnosis.repair_fmu(model, names, &carried)?;
         others.iter().try_for_each(|binary| binary.check(Library::Wrap, &repaired.description))?;
         let original = modeldescription::Package::open(model)?;
         wrapped::finish(&mut repaired, &original, file, self.isolation.worker()?.as_ref())?;
@@ -65,10 +66,11 @@ impl Diagnose {
         &self,
         diagnosis: &mut Diagnosis,
         (source, file): (&Source, &Path),
+        names: &NameMap,
         others: &[Binary],
     ) -> anyhow::Result<Vec<String>> {
         if let Some(model) = source.fmu() {
-            return self.write_around(diagnosis, (&model, file), others);
+            return self.write_around(diagnosis, (&model, file), names, others);
         }
         let (repaired, notes) = diagnosis.repair(&source.blueprint()?.blueprint);
         repaired.check(learned::COMPONENTS).with_context(|| {

@@ -4,7 +4,7 @@
 //! within a row: there the command is held, and the motion is smooth. A model that takes one step from row to row knows
 //! nothing of them, and what it then lacks looks like a mode near half the sample rate or a crosstalk.
 
-use super::{Readings, is_explained, leaves_less, mode_near_nyquist, names};
+use super::{Readings, leaves_less, mode_near_nyquist, names};
 use crate::base::Base;
 use crate::between::{Between, Course};
 use crate::chain::{Chain, Node, Parameter};
@@ -152,7 +152,7 @@ impl Within {
     /// Whether it explains the logs, and nothing is left.
     pub(super) fn is_complete(&self) -> bool {
         let own = &self.outcome;
-        is_explained(own) && !has_gap(&own.found.last, own.adequate)
+        own.verdict.is_explained() && !has_gap(&own.found.last, own.adequate)
     }
 
     /// Whether it is taken in place of another answer: it leaves clearly less, or about as much with fewer effects. With as
@@ -161,17 +161,17 @@ impl Within {
         let own = &self.outcome;
         let count = |o: &Outcome| o.found.last.picks.len();
         // The other names none, and is no better.
-        if other.verdict == Verdict::Unknown && !is_explained(own) {
+        if other.verdict == Verdict::Unknown && !own.verdict.is_explained() {
             return leaves_less(own, other);
         }
         let ratio = own.left() / other.left();
         // A command that moves between rows is another reading of its own.
         if other.task.course.between != Between::Zoh && count(own) == count(other) {
-            return is_explained(own) && leaves_less(own, other);
+            return own.verdict.is_explained() && leaves_less(own, other);
         }
         let has_others = mode_near_nyquist(own).is_none() && names(own) != names(other);
         let most = if has_others { Thresholds::READING_FOR_EFFECT } else { Thresholds::FINER_LESS };
-        is_explained(own) && count(own) <= count(other) && ratio < most
+        own.verdict.is_explained() && count(own) <= count(other) && ratio < most
     }
 
     /// The answer, and what to say of it in place of another.
