@@ -6,7 +6,8 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use clap::Args;
 use cosim::{Fmu, Worker};
-use data::{Blueprint, Log, NameMap};
+use data::{Blueprint, CheckedBlueprint, Log, NameMap};
+use modeldescription::Package;
 use modeldescription::description::{BaseUnit, Line, Unit};
 use modeldescription::variable::Causality;
 
@@ -89,6 +90,19 @@ pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Op
     Ok(Opened { name: source.blueprint.name, fmu, folder: Some(folder) })
 }
 
+/// The blueprint that an FMU carries, where this version can read it.
+pub(crate) fn carried(package: &Package) -> Option<CheckedBlueprint> {
+    let text = std::fs::read_to_string(package.resources().join("blueprint.toml")).ok()?;
+    Blueprint::parse(&text, "blueprint.toml").ok()?.check(learned::COMPONENTS).ok()
+}
+
+/// The variables of a blueprint that have a short name: that name, and their own.
+pub(crate) fn short_names(blueprint: &CheckedBlueprint) -> Vec<(String, String)> {
+    let system = blueprint.build();
+    let variables = system.variables().as_slice().iter();
+    variables.filter_map(|v| Some((v.alias.clone()?, v.name.clone()))).collect()
+}
+
 /// The names under which the variables of an FMU may be addressed: their own, and, for an FMU that
 /// carries a blueprint, its short names (`u`, `y`).
 pub(crate) struct Addresses {
@@ -100,17 +114,7 @@ pub(crate) struct Addresses {
 
 impl Addresses {
     pub(crate) fn of(fmu: &Fmu) -> Self {
-        let carried = fmu.package().resources().join("blueprint.toml");
-        let short = std::fs::read_to_string(&carried)
-            .ok()
-            .and_then(|text| Blueprint::parse(&text, "blueprint.toml").ok())
-            .and_then(|blueprint| blueprint.check(learned::COMPONENTS).ok())
-            .map(|checked| {
-                let system = checked.build();
-                let variables = system.variables().as_slice().iter();
-                variables.filter_map(|v| Some((v.alias.clone()?, v.name.clone()))).collect()
-            })
-            .unwrap_or_default();
+        let short = carried(fmu.package()).as_ref().map(short_names).unwrap_or_default();
         let inputs = fmu.names(Causality::Input);
         let all = fmu.description().variables.iter().map(|v| v.name.clone()).collect();
         Self { short, inputs, all }

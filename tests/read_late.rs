@@ -78,8 +78,7 @@ fn readings_within_the_rows_are_found_around_an_fmu() {
         let late = gap["outputs"][0]["reading_late"].as_f64().unwrap_or(0.0);
         // Names and tolerances are those of the blueprint that the FMU carries.
         let said = gap["warnings"].to_string();
-        for words in ["whose tolerances hold for axis[1].gain.gain", "column y is position[1]"]
-        {
+        for words in ["whose tolerances hold for axis[1].gain.gain", "column y is position[1]"] {
             assert!(said.contains(words), "{said}");
         }
         let part = 100.0 * late * RATE;

@@ -107,12 +107,7 @@ impl Evidence<'_> {
             let n = group.len() as f64;
             draws.extend(fraction(before / n, after / n));
         }
-        if draws.is_empty() {
-            return [-1.0, 1.0];
-        }
-        draws.sort_by(f64::total_cmp);
-        let at = |q: f64| draws[((draws.len() - 1) as f64 * q).round() as usize];
-        let (low, high) = (at(0.025), at(0.975));
+        let Some([low, high]) = middle(draws) else { return [-1.0, 1.0] };
         // Student's 97.5 % over the normal one, for as many records as there are.
         let widen = match groups.len() {
             1 => 3.0,
@@ -132,6 +127,7 @@ impl Evidence<'_> {
         let [least, most] = self.of_new_records(total).unwrap_or([low, high]);
         [low.max(-1.0).min(least), high.max(most).min(1.0)]
     }
+
     /// The same by draws of new records, which leave what the formula leaves anyway, too.
     fn of_new_records(&self, total: f64) -> Option<[f64; 2]> {
         let mut random = SplitMix64::new(self.seed);
@@ -139,9 +135,13 @@ impl Evidence<'_> {
             let spread = (Thresholds::RATIO_SPREAD * random.normal()).exp();
             1.0 - (left + 1.0 - total) * spread
         };
-        let mut fractions: Vec<f64> = self.on_new_records.iter().map(part).collect();
-        fractions.sort_by(f64::total_cmp);
-        let last = fractions.len().checked_sub(1)? as f64;
-        Some([0.025, 0.975].map(|q| fractions[(last * q).round() as usize]))
+        middle(self.on_new_records.iter().map(part).collect())
     }
+}
+
+/// The ends between which 95 % of the draws lie; `None` without any.
+fn middle(mut draws: Vec<f64>) -> Option<[f64; 2]> {
+    draws.sort_by(f64::total_cmp);
+    let last = draws.len().checked_sub(1)? as f64;
+    Some([0.025, 0.975].map(|q| draws[(last * q).round() as usize]))
 }

@@ -3,23 +3,19 @@
 
 use std::path::Path;
 
-use data::{Blueprint, NameMap};
+use data::NameMap;
 use diagnose::{Request, Tolerance};
 use modeldescription::Package;
+
+use crate::fmus;
 
 /// Adds to a request what the FMU's blueprint says and the command line does not; in sentences. Nothing where it carries none.
 ///
 /// # Errors
 /// The package cannot be opened, or a variable has a column under both of its names.
 pub(super) fn add(request: &mut Request, fmu: &Path) -> anyhow::Result<Vec<String>> {
-    let package = Package::open(fmu)?;
-    let carried = package.resources().join("blueprint.toml");
-    let text = std::fs::read_to_string(carried).ok();
-    let blueprint = text.and_then(|text| Blueprint::parse(&text, "blueprint.toml").ok());
     // A later version may carry what this one cannot read: its FMU is one as any other.
-    let Some(checked) = blueprint.and_then(|b| b.check(learned::COMPONENTS).ok()) else {
-        return Ok(Vec::new());
-    };
+    let Some(checked) = fmus::carried(&Package::open(fmu)?) else { return Ok(Vec::new()) };
     let mut notes = Vec::new();
     let own = Tolerance::of_blueprint(&checked);
     let is_asked = |t: &Tolerance| request.tolerances.iter().any(|asked| asked.is_for(&t.name));
@@ -35,10 +31,7 @@ pub(super) fn add(request: &mut Request, fmu: &Path) -> anyhow::Result<Vec<Strin
     }
     // Of several the last one counts: what the command line says.
     request.tolerances.splice(0..0, own);
-    let system = checked.build();
-    let variables = system.variables().as_slice().iter();
-    let short: Vec<(String, String)> =
-        variables.filter_map(|v| Some((v.alias.clone()?, v.name.clone()))).collect();
+    let short = fmus::short_names(&checked);
     let variable =
         |name: &str| short.iter().find(|(alias, _)| alias == name).map(|(_, v)| v.as_str());
     let mut pairs: Vec<String> = request
