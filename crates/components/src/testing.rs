@@ -8,7 +8,7 @@ use model::{Component, Tick, Violation};
 /// A component with its own slices and clock.
 pub(crate) struct Instance {
     component: &'static dyn Component,
-    coefficients: Vec<f64>,
+    pub(crate) coefficients: Vec<f64>,
     pub(crate) state: Vec<f64>,
     pub(crate) outputs: Vec<f64>,
     period: f64,

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use model::{ComponentRef, Record};
+use model::{ComponentRef, Record, Way};
 pub(crate) use surround::Force;
 use surround::{Block, ForcedMode, Signals};
 
@@ -295,6 +295,11 @@ impl<'a> Bench<'a> {
             return component.run_records(theta, records, x, out);
         }
         if let Node::Joint(joint) = node {
+            if let (true, Some(at)) = (aside && first == k, &self.at)
+                && joint.beside((at, &self.edges[k]), (parameters, theta), records, x, out)?
+            {
+                return self.ranges().try_for_each(|(_, range)| ends_finite(&out[range]));
+            }
             joint.own.run_records(theta, records, x, out)?;
             joint.add((parameters, theta), records, x, out)?;
             return self.ranges().try_for_each(|(_, range)| ends_finite(&out[range]));
@@ -407,6 +412,47 @@ impl ComponentNode {
             records.push(Record { inputs, count, out, state: Vec::new() });
         }
         self.run(theta, data.step, &mut records)
+    }
+
+    /// Adds to `out` what changes where values change from `before` to `after`, by the parts that take them. False where
+    /// that is no less work than a run of the component, or it has no parts.
+    pub(crate) fn add_change(
+        &self,
+        (before, after): (&[f64], &[f64]),
+        (data, horizon): (&DataSet, Horizon),
+        x: &[f64],
+        out: &mut [f64],
+    ) -> Result<bool, Failed> {
+        let pairs = before.iter().zip(after).enumerate();
+        let changed: Vec<usize> = pairs.filter(|(_, (a, b))| a != b).map(|(k, _)| k).collect();
+        if changed.is_empty() {
+            return Ok(true);
+        }
+        let parts = (0..).map_while(|number| self.component.part(&self.structure, number));
+        let parts: Vec<Way> = parts.collect();
+        if parts.len() < 4 * changed.len() {
+            return Ok(false);
+        }
+        let mut values = before.to_vec();
+        let mut own = vec![0.0; out.len()];
+        for k in changed {
+            let Some(part) = parts.iter().find(|part| part.takes.contains(&k)) else {
+                return Ok(false);
+            };
+            for (sign, value) in [(-1.0, before[k]), (1.0, after[k])] {
+                values[k] = value;
+                let of_part = Self {
+                    component: ComponentRef::Static(part.component),
+                    structure: part.structure.clone(),
+                    values: part.takes.iter().map(|k| values[*k]).collect(),
+                    links: Vec::new(),
+                    reads_command: false,
+                };
+                of_part.run_records(&[], (data, horizon), x, &mut own)?;
+                out.iter_mut().zip(&own).for_each(|(sum, own)| *sum += sign * own);
+            }
+        }
+        Ok(true)
     }
 
     /// Runs records side by side.

@@ -208,6 +208,15 @@ pub trait Component: Send + Sync {
         None
     }
 
+    /// Part number `number` of a linear component with one input and one output, whose values are among its own: where
+    /// one value alone changes, the output of the first part that takes it changes as that of the component does. None
+    /// behind the last, and of one that is no sum.
+    #[cfg(not(target_family = "wasm"))]
+    fn part(&self, structure: &[f64], number: usize) -> Option<Way> {
+        let (_, _) = (structure, number);
+        None
+    }
+
     /// Whether it runs a learned table (the blueprint's key `table`).
     fn takes_table(&self) -> bool {
         false

@@ -131,6 +131,14 @@ impl Component for ModalMatrix {
         Some(model::Way::new(&ModalMatrix, &[1.0, 1.0, modes, modes], takes))
     }
 
+    #[cfg(not(target_family = "wasm"))]
+    fn part(&self, structure: &[f64], number: usize) -> Option<model::Way> {
+        let (n, modes) = counts(structure);
+        let of_mode = (0..4).map(|place| 1 + place * modes + number);
+        let takes = core::iter::once(0).chain(of_mode);
+        (n == 1 && number < modes).then(|| model::Way::new(&ModalMatrix, &[1.0; 4], takes))
+    }
+
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {
         let (n, modes) = counts(structure);
         Sizes { coefficients: n * n + modes * per_mode(n), states: 2 * n * modes }
@@ -198,6 +206,58 @@ impl Component for ModalMatrix {
             3 => step_of(3, coefficients, state, inputs, outputs),
             n => step_of(n, coefficients, state, inputs, outputs),
         }
+    }
+
+    #[cfg(feature = "records")]
+    fn step_records(
+        &self,
+        coefficients: &[f64],
+        _period: f64,
+        hits: core::ops::Range<usize>,
+        records: &mut [model::Record<'_>],
+        _outputs: &mut [f64],
+    ) {
+        let Some((direct, modes)) = coefficients.split_first() else { return };
+        for record in records {
+            let (x, out) = (&record.inputs[0][hits.clone()], &mut record.out[hits.clone()]);
+            out.iter_mut().zip(x).for_each(|(out, x)| *out = 0.0 + direct * x);
+            let mut states = record.state.chunks_exact_mut(2 * LANES);
+            let mut slots = modes.chunks_exact(LANES * per_mode(1));
+            for (slots, states) in (&mut slots).zip(&mut states) {
+                run_modes::<LANES>(slots, states, x, out);
+            }
+            let rest = slots.remainder().chunks_exact(per_mode(1));
+            for (slot, state) in rest.zip(states.into_remainder().chunks_exact_mut(2)) {
+                run_modes::<1>(slot, state, x, out);
+            }
+        }
+    }
+}
+
+/// Modes whose states stay in registers while they run through a record.
+#[cfg(feature = "records")]
+const LANES: usize = 4;
+
+/// Adds what the next `M` modes of a structure with one axis make of the path `x` to `out`, as steps one after the
+/// other would: to the bit.
+#[cfg(feature = "records")]
+fn run_modes<const M: usize>(coefficients: &[f64], state: &mut [f64], x: &[f64], out: &mut [f64]) {
+    let of = |place: usize| core::array::from_fn(|k| coefficients[per_mode(1) * k + place]);
+    let [same, cross, rate, r, q]: [[f64; M]; 5] = core::array::from_fn(of);
+    let mut z: [f64; M] = core::array::from_fn(|k| state[2 * k]);
+    let mut v: [f64; M] = core::array::from_fn(|k| state[2 * k + 1]);
+    for (x, out) in x.iter().zip(out) {
+        let mut sum = *out;
+        for k in 0..M {
+            let transition = Transition { same: same[k], cross: cross[k], rate: rate[k] };
+            let (e, scaled_rate) = transition.apply(z[k] - x, v[k]);
+            (z[k], v[k]) = (x + e, scaled_rate);
+            sum += r[k] * z[k] + q[k] * v[k];
+        }
+        *out = sum;
+    }
+    for k in 0..M {
+        (state[2 * k], state[2 * k + 1]) = (z[k], v[k]);
     }
 }
 
@@ -272,6 +332,59 @@ mod tests {
             all[1].push(own.outputs[1]);
         }
         all
+    }
+
+    #[cfg(feature = "records")]
+    #[test]
+    fn records_run_as_single_steps_do_and_a_part_changes_as_all_do() {
+        const SEED: u64 = 3;
+        const MODES: usize = 7;
+        let mut random = Random::new(SEED);
+        let x: std::vec::Vec<f64> = (0..500).map(|_| random.between(-1.0, 1.0)).collect();
+        let mut values = std::vec![0.3];
+        for (low, high) in [(50.0, 2000.0), (0.01, 1.2), (-1.0, 1.0), (-1.0, 1.0)] {
+            values.extend((0..MODES).map(|_| random.between(low, high)));
+        }
+        let with_records = |structure: &[f64], values: &[f64]| {
+            let mut own = Instance::new(&ModalMatrix, structure, values, T).unwrap();
+            own.rest(&x[..1]);
+            let mut out = std::vec![own.outputs[0]; x.len()];
+            let state = own.state.clone();
+            let record = model::Record { inputs: [&x, &x], count: 1, out: &mut out, state };
+            let mut outputs = [0.0];
+            let coefficients = own.coefficients.clone();
+            let hits = [1..200, 200..x.len()];
+            let mut records = [record];
+            for hits in hits {
+                ModalMatrix.step_records(&coefficients, T, hits, &mut records, &mut outputs);
+            }
+            out
+        };
+        let structure = [1.0, 1.0, MODES as f64, MODES as f64];
+        let own = with_records(&structure, &values);
+        let mut one = Instance::new(&ModalMatrix, &structure, &values, T).unwrap();
+        assert_eq!(own[1..], one.response(x[0], &x[1..]), "seed {SEED}");
+        for k in 0..values.len() {
+            let mut other = values.clone();
+            other[k] *= 1.01;
+            let mut parts = (0..).map_while(|number| ModalMatrix.part(&structure, number));
+            let part = parts.find(|part| part.takes.contains(&k)).unwrap();
+            let of_part = |values: &[f64]| {
+                let taken: std::vec::Vec<f64> = part.takes.iter().map(|k| values[*k]).collect();
+                with_records(&part.structure, &taken)
+            };
+            let [before, after, all] =
+                [of_part(&values), of_part(&other), with_records(&structure, &other)];
+            for n in 0..x.len() {
+                let change = after[n] - before[n];
+                assert!(
+                    (all[n] - own[n] - change).abs() < 1e-12,
+                    "value {k}, step {n}, seed {SEED}"
+                );
+            }
+        }
+        assert!(ModalMatrix.part(&structure, MODES).is_none());
+        assert!(ModalMatrix.part(&[2.0, 4.0, 2.0, 8.0], 0).is_none());
     }
 
     #[test]

@@ -76,8 +76,17 @@ struct Kept {
     /// The first of these commands.
     data: Arc<Vec<f64>>,
     paths: Paths,
-    /// Their sum behind the coupling, with these values of the first way.
-    sums: Vec<(Vec<f64>, Arc<Vec<f64>>)>,
+    sums: Vec<Sum>,
+}
+
+/// What the paths of the other axes add.
+#[derive(Clone)]
+struct Sum {
+    /// Values of the first way.
+    values: Vec<f64>,
+    signal: Arc<Vec<f64>>,
+    /// Whether it is worked out anew, and not from another one.
+    is_first: bool,
 }
 
 /// Whether the axes of a coupling can be looked at as sums of ways: it is the only one of each.
@@ -174,6 +183,36 @@ impl Joint {
         std::iter::repeat_n(0.0, usize::from(!by_own)).chain(own).collect()
     }
 
+    /// The signal behind the coupling at a point beside the kept one, where its own values alone differ: what changes is
+    /// added to the kept signal. False where that is no less work.
+    pub(crate) fn beside(
+        &self,
+        (kept_at, kept): (&[f64], &[f64]),
+        (parameters, theta): (&[Parameter], &[f64]),
+        (data, horizon): (&DataSet, Horizon),
+        x: &[f64],
+        out: &mut [f64],
+    ) -> Result<bool, Failed> {
+        out.copy_from_slice(kept);
+        let both = (&self.own.values_at(kept_at)[..], &self.own.values_at(theta)[..]);
+        if !self.own.add_change(both, (data, horizon), x, out)? {
+            return Ok(false);
+        }
+        let (_, before) = self.others.of(data, &self.own.links, kept_at)?;
+        let (paths, after) = self.others.of(data, &self.own.links, theta)?;
+        if !Arc::ptr_eq(&before, &after) {
+            let others = before.iter().zip(after.iter());
+            out.iter_mut().zip(others).for_each(|(y, (before, after))| *y += after - before);
+        }
+        let further = [kept_at, theta].map(|theta| self.mode_values(parameters, theta));
+        if further[0] != further[1] {
+            for (values, sign) in further.iter().zip([-1.0, 1.0]) {
+                self.add_mode((values, sign), (data, horizon), (x, &paths), out)?;
+            }
+        }
+        Ok(true)
+    }
+
     /// Adds to `out` what the others and a further mode give, where the own path is `x`.
     pub(crate) fn add(
         &self,
@@ -184,15 +223,24 @@ impl Joint {
     ) -> Result<(), Failed> {
         let (paths, sum) = self.others.of(data, &self.own.links, theta)?;
         out.iter_mut().zip(sum.iter()).for_each(|(y, other)| *y += other);
-        if self.mode.is_none() {
-            return Ok(());
-        }
         let values = self.mode_values(parameters, theta);
+        self.add_mode((&values, 1.0), (data, horizon), (x, &paths), out)
+    }
+
+    /// Adds a multiple of what a further mode of these values gives to `out`, where the paths are these; nothing without
+    /// one.
+    fn add_mode(
+        &self,
+        (values, factor): (&[f64], f64),
+        (data, horizon): (&DataSet, Horizon),
+        (x, others): (&[f64], &[Vec<f64>]),
+        out: &mut [f64],
+    ) -> Result<(), Failed> {
         let Some((weights, &[frequency, damping])) = values.split_last_chunk() else {
-            return Err(Failed);
+            return Ok(());
         };
         let mut moved: Vec<f64> = x.iter().map(|x| weights[0] * x).collect();
-        for (path, weight) in paths.iter().zip(&weights[1..]) {
+        for (path, weight) in others.iter().zip(&weights[1..]) {
             moved.iter_mut().zip(path).for_each(|(sum, x)| *sum += weight * x);
         }
         let mode = ComponentNode {
@@ -203,8 +251,8 @@ impl Joint {
             reads_command: false,
         };
         let mut of_mode = vec![0.0; moved.len()];
-        mode.run_records(theta, (data, horizon), &moved, &mut of_mode)?;
-        out.iter_mut().zip(of_mode).for_each(|(y, mode)| *y += mode);
+        mode.run_records(&[], (data, horizon), &moved, &mut of_mode)?;
+        out.iter_mut().zip(of_mode).for_each(|(y, mode)| *y += factor * mode);
         Ok(())
     }
 }
@@ -223,24 +271,39 @@ impl Others {
         let moved = |way: &OtherWay| ComponentNode { links: links.clone(), ..way.way.clone() };
         let key = self.ways.first().map_or_else(Vec::new, |way| moved(way).values_at(theta));
         let known = lock().iter().find(|kept| Arc::ptr_eq(&kept.data, commands)).map(|kept| {
-            let sum = kept.sums.iter().find(|(values, _)| *values == key);
-            (Arc::clone(&kept.paths), sum.map(|(_, sum)| Arc::clone(sum)))
+            let sum = kept.sums.iter().find(|sum| sum.values == key).cloned();
+            let first = kept.sums.iter().rfind(|sum| sum.is_first).cloned();
+            (Arc::clone(&kept.paths), sum, first)
         });
-        let paths = match known {
-            Some((paths, Some(sum))) => return Ok((paths, sum)),
-            Some((paths, None)) => paths,
+        let (paths, first) = match known {
+            Some((paths, Some(sum), _)) => return Ok((paths, sum.signal)),
+            Some((paths, None, first)) => (paths, first),
             None => {
                 let all = self.ways.iter().map(|way| way.front.path(data, way.place));
-                Arc::new(all.collect::<Result<Vec<_>, _>>()?)
+                (Arc::new(all.collect::<Result<Vec<_>, _>>()?), None)
             }
         };
-        let mut sum = vec![0.0; data.command.len()];
-        let mut own = vec![0.0; data.command.len()];
-        for (way, path) in self.ways.iter().zip(paths.iter()) {
-            moved(way).run_records(theta, (data, Horizon::All), path, &mut own)?;
-            sum.iter_mut().zip(&own).for_each(|(sum, own)| *sum += own);
+        let records = (data, Horizon::All);
+        let mut signal = first.as_ref().map_or_else(Vec::new, |first| first.signal.to_vec());
+        let mut is_first = first.is_none();
+        if let Some(first) = first {
+            for (way, path) in self.ways.iter().zip(paths.iter()) {
+                let after = moved(way).values_at(theta);
+                let mut before = after.clone();
+                let values = before.iter_mut().zip(&first.values).zip(&self.is_shared);
+                values.filter(|(_, shared)| **shared).for_each(|((own, value), _)| *own = *value);
+                is_first |= !way.way.add_change((&before, &after), records, path, &mut signal)?;
+            }
         }
-        let sum = Arc::new(sum);
+        if is_first {
+            signal = vec![0.0; data.command.len()];
+            let mut own = vec![0.0; data.command.len()];
+            for (way, path) in self.ways.iter().zip(paths.iter()) {
+                moved(way).run_records(theta, records, path, &mut own)?;
+                signal.iter_mut().zip(&own).for_each(|(sum, own)| *sum += own);
+            }
+        }
+        let signal = Arc::new(signal);
         let mut all = lock();
         let at = all.iter().position(|kept| Arc::ptr_eq(&kept.data, commands));
         let at = at.unwrap_or_else(|| {
@@ -253,10 +316,11 @@ impl Others {
         });
         let sums = &mut all[at].sums;
         if sums.len() >= Thresholds::SUMS_KEPT {
-            sums.remove(0);
+            let oldest = sums.iter().position(|sum| sum.is_first == is_first);
+            sums.remove(oldest.unwrap_or(0));
         }
-        sums.push((key, Arc::clone(&sum)));
-        Ok((paths, sum))
+        sums.push(Sum { values: key, signal: Arc::clone(&signal), is_first });
+        Ok((paths, signal))
     }
 }
 
