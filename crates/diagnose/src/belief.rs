@@ -24,12 +24,15 @@ pub(crate) struct Sight<'a> {
     pub(crate) adequate: f64,
     /// What the user calls good enough, in powers of the noise: less of a difference tells no names apart.
     pub(crate) fine: f64,
+    /// What is left and follows from the command, in powers of the noise: it is no noise.
+    pub(crate) caused: f64,
 }
 
 impl<'a> Sight<'a> {
     /// With this re-tuned model.
     pub(crate) fn new(library: &'a [Family], base: &Candidate, adequate: f64, fine: f64) -> Self {
-        Self { library, base_excess: (base.judged.held_out - 1.0).max(0.0), adequate, fine }
+        let base_excess = (base.judged.held_out - 1.0).max(0.0);
+        Self { library, base_excess, adequate, fine, caused: 0.0 }
     }
 
     /// How far a mean square is above the noise, and what the noise and the user let nobody see.
@@ -38,7 +41,9 @@ impl<'a> Sight<'a> {
     }
 
     pub(crate) fn of(outcome: &'a Outcome) -> Self {
-        Self::new(&outcome.library, &outcome.found.base, outcome.adequate, outcome.fine)
+        let base = &outcome.found.base;
+        let sight = Self::new(&outcome.library, base, outcome.adequate, outcome.fine);
+        Self { caused: outcome.caused, ..sight }
     }
 }
 
@@ -129,7 +134,8 @@ fn excess(c: &Candidate) -> f64 {
 /// How likely a formula of the library leaves so much: the more is left over what the noise alone may
 /// leave, and the larger a part of the gap that is, the less.
 pub(crate) fn formula_is_known(sight: &Sight<'_>, own: &Candidate) -> f64 {
-    let left = (excess(own) - (sight.adequate - 1.0)).max(0.0) / sight.base_excess.max(0.1);
+    let caused = (sight.caused - sight.fine).max(0.0);
+    let left = (excess(own) - (sight.adequate - 1.0)).max(caused) / sight.base_excess.max(0.1);
     1.0 / (1.0 + (left / Thresholds::LEFT_OF_UNKNOWN).powf(Thresholds::STEEPNESS))
 }
 

@@ -36,7 +36,7 @@ use crate::steps::Steps;
 use crate::task::Task;
 use crate::thresholds::base::Thresholds as BaseThresholds;
 use crate::thresholds::noise::Thresholds;
-use crate::{excess_noise, offset, robust, second, shrink, start};
+use crate::{causal, excess_noise, offset, robust, second, shrink, start};
 
 /// The diagnosis of one output.
 pub(crate) struct Outcome {
@@ -49,6 +49,8 @@ pub(crate) struct Outcome {
     pub(crate) adequate: f64,
     /// What the user calls good enough, in powers of the noise.
     pub(crate) fine: f64,
+    /// What is left and follows from the command, in powers of the noise.
+    pub(crate) caused: f64,
     pub(crate) verdict: Verdict,
     /// The model as given, judged.
     pub(crate) given: Judged,
@@ -401,6 +403,10 @@ impl Run<'_> {
         let Scale { judge, sigma, adequate, fine, .. } = scale;
         let offset = offset::of(&task, (&found.base, &found.last), sigma, self.count);
         let predicted = own_course::left_out(&found.last, &judge, &task.data, sigma, self.count);
+        let caused = match found.last.picks.is_empty() {
+            true => 0.0,
+            false => causal::left(&task.data, &found.last.judged.residual, sigma),
+        };
         Outcome {
             task,
             library,
@@ -408,6 +414,7 @@ impl Run<'_> {
             sigma,
             adequate,
             fine,
+            caused,
             verdict,
             given,
             found,

@@ -361,7 +361,12 @@ impl<'a> Search<'a> {
         let chain = self.base.compose(&with);
         let left = |start: &Vec<f64>| -> Result<f64, Failed> {
             let theta = self.carry(from, &chain, formula, start);
-            let fit = self.fitter().fit_quickly(&chain, &theta, linear)?;
+            let fitter = self.fitter();
+            let mut fit = fitter.fit_quickly(&chain, &theta, linear)?;
+            // What went far may be on its way still.
+            if fit.mean_square < Thresholds::WENT_FAR * from.fit.mean_square {
+                fit = fitter.fit_from(&chain, &fit.theta, (linear, f64::INFINITY))?;
+            }
             let judged = self.judge.judge(&chain, &fit.theta, self.data, self.sigma, self.count)?;
             Ok(0.5 * (fit.mean_square + judged.held_out))
         };

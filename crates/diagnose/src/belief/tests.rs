@@ -39,7 +39,7 @@ fn looked(family: usize, best: Option<Candidate>) -> Looked {
 
 /// A large gap of the re-tuned model, of which nothing need be left.
 fn sight(library: &[Family]) -> Sight<'_> {
-    Sight { library, base_excess: 10.0, adequate: 1.1, fine: 0.0 }
+    Sight { library, base_excess: 10.0, adequate: 1.1, fine: 0.0, caused: 0.0 }
 }
 
 /// Families of no group.

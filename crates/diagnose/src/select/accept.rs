@@ -2,6 +2,7 @@
 
 use super::{Candidate, Found, Looked, Search, has_gap, rank};
 use crate::belief::{self, Sight};
+use crate::causal;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -248,8 +249,9 @@ impl Search<'_> {
         mut best: Candidate,
         rivals: &mut Vec<Vec<Looked>>,
     ) -> Candidate {
+        let caused = causal::left(self.data, &best.judged.residual, self.sigma);
         loop {
-            let sight = self.sight(base);
+            let sight = Sight { caused, ..self.sight(base) };
             if best.picks.is_empty() || !self.explains_enough(base, &best) {
                 return base.clone();
             }

@@ -86,6 +86,16 @@ impl Thresholds {
     pub(crate) const LEFT_OF_UNKNOWN: f64 = 0.12;
     /// Exponent with which the odds of the library fall with the part of the gap that is left; from the benchmark.
     pub(crate) const STEEPNESS: f64 = 1.2;
+    /// Rows below which a record says nothing of what causes its residual.
+    pub(crate) const CAUSED_ROWS: usize = 512;
+    /// Least number of blocks of a record, each of which is predicted by others.
+    pub(crate) const CAUSED_BLOCKS: usize = 16;
+    /// Most that a block may lose by its prediction, in powers of the noise.
+    pub(crate) const CAUSED_LOST: f64 = 0.1;
+    /// Most rows of such a block, which bounds the memory.
+    pub(crate) const CAUSED_LONGEST: usize = 2048;
+    /// Part of a function's power by which its coefficient is held down.
+    pub(crate) const CAUSED_RIDGE: f64 = 1e-5;
     /// Part of the noise's power that the right formula may leave unseen.
     pub(crate) const UNSEEN: f64 = 0.01;
     /// Part of the gap that a further effect takes away where it is as likely an effect as a repair of the others'

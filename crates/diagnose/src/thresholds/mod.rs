@@ -98,6 +98,7 @@ mod tests {
             format!("explains {} of what two leave", in_words(Belief::THIRD_TAKES)),
             format!("costs less than {} of score and power", Belief::DROPPED),
             format!("fall with {} of", in_words(Belief::SHARPNESS)),
+            format!("predicts each 1/{} of a record", Belief::CAUSED_BLOCKS),
             format!("agree within a factor of {}", Belief::ALIKE),
             format!("probabilities sum to {}", percent(Belief::SET)),
             format!(

@@ -109,6 +109,8 @@ impl Thresholds {
     pub(crate) const PROMISING: f64 = 0.7;
     /// Weight of the training rows in the rank; the rest is that of the held-out rows.
     pub(crate) const TRAINING_WEIGHT: f64 = 0.5;
+    /// Part of what was left before, below which a formula without the effect is fitted to its end.
+    pub(crate) const WENT_FAR: f64 = 0.5;
     /// Error without the effect, over the error with it, that a formula must reach.
     pub(crate) const OVER_NULL: f64 = 1.1;
     /// Factors by which a time, rate or width starts elsewhere.
