@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use cli::{Answer, PageOptions, Screen, rounded};
-use cosim::{Coupling, Drive, Driven, Ending, Fmu, Loop, LoopSettings, Memory, Points, Run};
-use cosim::{Signal, Signals, Slave, Value, Wiring};
+use cosim::{Coupling, Drive, Driven, Ending, Fmu, Loop, LoopSettings, Memory, Run};
+use cosim::{Slave, Value, Wiring};
 use data::Log;
-use modeldescription::description::Unit;
 use serde::Serialize;
 
 use crate::fmus::{self, Addresses, Isolation};
@@ -23,11 +22,13 @@ use crate::{progress, records};
 mod matched;
 mod output_fit;
 mod starts;
+mod tables;
 
 use matched::Matched;
 pub(crate) use matched::list;
 pub(crate) use output_fit::OutputFit;
 pub(crate) use starts::{configure, starts};
+pub(crate) use tables::{can_be_seconds, points, signals, units};
 
 /// Simulates an FMU with the inputs of a log, or the closed loop of a plant and a controller
 ///
@@ -424,41 +425,6 @@ impl Simulate {
     }
 }
 
-/// The communication points of a loop over a reference.
-pub(crate) fn points(
-    log: &Log,
-    controller: &Fmu,
-    step: Option<f64>,
-    stop: Option<f64>,
-) -> anyhow::Result<Points<'static>> {
-    let time = log.time();
-    let (Some(&start), Some(&last)) = (time.first(), time.last()) else {
-        bail!("{}: the reference has no rows", log.origin());
-    };
-    let experiment = controller.description().default_experiment.as_ref();
-    let own = experiment.and_then(|e| e.step_size).unwrap_or(f64::INFINITY);
-    let rows = time.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
-    // A reference on the controller's own grid, but for rounding, is that grid.
-    let near = if (rows - own).abs() <= 1e-6 * own { own } else { rows.min(own) };
-    let step = step.unwrap_or(near);
-    if !(step.is_finite() && step > 0.0) {
-        bail!("the step of the loop is not known: give it with --step S");
-    }
-    if stop.is_none() {
-        can_be_seconds(log, own.min(step))?;
-    }
-    Ok(Points::uniform(start, stop.unwrap_or(last), step)?)
-}
-
-/// Whether the times of a table, whose end is that of the run, can be in seconds: how many steps of `step`
-/// seconds lie between two rows.
-pub(crate) fn can_be_seconds(log: &Log, step: f64) -> anyhow::Result<()> {
-    match data::inner_steps::check_rows(log.time(), step) {
-        Ok(()) => Ok(()),
-        Err(what) => bail!("{}: {what}", log.origin()),
-    }
-}
-
 /// Which variables of controller and plant belong together; `columns` says which column of the
 /// reference feeds which input.
 pub(crate) fn wiring(
@@ -476,12 +442,6 @@ pub(crate) fn wiring(
     Ok(wiring)
 }
 
-/// The units of a table's columns, where they are known.
-pub(crate) fn units(table: &Signals<'_>) -> Vec<(String, Unit)> {
-    let known = |column: &Signal<'_>| Some((column.name.clone(), column.unit.clone()?));
-    table.columns.iter().filter_map(known).collect()
-}
-
 /// A note where the plant steps more slowly than the controller: it then answers late, and the loop
 /// has a delay that the machine does not have.
 fn slow_plant(plant: &Fmu, controller: &Fmu) -> Vec<String> {
@@ -493,23 +453,6 @@ fn slow_plant(plant: &Fmu, controller: &Fmu) -> Vec<String> {
         )],
         _ => Vec::new(),
     }
-}
-
-/// The records of a log as input tables.
-pub(crate) fn signals(log: &Log) -> Vec<Signals<'_>> {
-    let table = |rows: std::ops::Range<usize>| Signals {
-        time: &log.time()[rows.clone()],
-        columns: log
-            .columns()
-            .iter()
-            .map(|column| Signal {
-                name: column.name.clone(),
-                unit: column.unit.as_ref().map(|unit| fmus::fmi_unit(&unit.text, &unit.unit)),
-                values: &column.values[rows.clone()],
-            })
-            .collect(),
-    };
-    log.records().iter().map(|record| table(record.rows.clone())).collect()
 }
 
 /// The error of a run that broke off; what was recorded until then is written.

@@ -95,19 +95,20 @@ fn density(time: f64, frequency: f64, sample: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use numerics::random::XorshiftStar64;
+
     use super::*;
-    use crate::random::Random;
 
     const SEED: u64 = 11;
     const SAMPLE: f64 = 1e-3;
 
-    fn normal(random: &mut Random) -> f64 {
+    fn normal(random: &mut XorshiftStar64) -> f64 {
         (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0
     }
 
     /// White noise of 1 and a discrepancy of this size and time.
     fn residual(size: f64, time: f64, rows: usize) -> Vec<f64> {
-        let mut random = Random::new(SEED);
+        let mut random = XorshiftStar64::new(SEED);
         let a = (-SAMPLE / time).exp();
         let mut slow = 0.0;
         (0..rows)

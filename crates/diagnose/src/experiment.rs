@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use numerics::random::XorshiftStar64;
 use surround::Span;
 
 use crate::base::Part;
@@ -12,7 +13,6 @@ use crate::data_set::{DataSet, RecordRows};
 use crate::fit::{Fitter, Linear};
 use crate::gap::NextExperiment;
 use crate::outcome::Outcome;
-use crate::random::Random;
 use crate::select::Candidate;
 use crate::thresholds::answer::Thresholds;
 
@@ -350,7 +350,7 @@ impl Item {
     }
 }
 
-/// Random phases, crest factor as it comes, scaled to the half width.
+/// XorshiftStar64 phases, crest factor as it comes, scaled to the half width.
 fn multisine(
     n: usize,
     sample: f64,
@@ -358,7 +358,7 @@ fn multisine(
     (centre, half): (f64, f64),
     seed: u64,
 ) -> Vec<f64> {
-    let mut random = Random::new(seed);
+    let mut random = XorshiftStar64::new(seed);
     let length = n as f64 * sample;
     let lines: Vec<(f64, f64)> = (0..Thresholds::EXPERIMENT_LINES)
         .map(|k| {

@@ -38,7 +38,6 @@ mod own_course;
 mod page;
 mod path_block;
 mod place;
-mod random;
 mod repair;
 mod repaired_fmu;
 mod request;

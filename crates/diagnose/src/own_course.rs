@@ -156,22 +156,23 @@ fn functions(data: &DataSet, rows: Range<usize>) -> DMatrix<f64> {
 
 #[cfg(test)]
 mod tests {
+    use numerics::random::XorshiftStar64;
+
     use super::*;
     use crate::data_set::RecordRows;
-    use crate::random::Random;
 
     const SEED: u64 = 11;
     const ROWS: usize = 4000;
     const RECORDS: usize = 8;
 
     /// Nearly normal, of variance 1.
-    fn noise(random: &mut Random) -> f64 {
+    fn noise(random: &mut XorshiftStar64) -> f64 {
         (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0
     }
 
     /// Whether what this makes of a command, record and row is a course of its own, in noise of 1.
-    fn is_own_of(mut course: impl FnMut(&[f64], usize, &mut Random) -> Vec<f64>) -> bool {
-        let mut random = Random::new(SEED);
+    fn is_own_of(mut course: impl FnMut(&[f64], usize, &mut XorshiftStar64) -> Vec<f64>) -> bool {
+        let mut random = XorshiftStar64::new(SEED);
         let mut residual = Vec::new();
         let records = (0..RECORDS).map(|record| {
             let (rate, phase) = (1e-3 * (1.0 + record as f64), random.uniform());
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn walks_are_of_their_own_and_what_the_command_causes_is_not() {
-        let walk = |_: &[f64], _: usize, random: &mut Random| {
+        let walk = |_: &[f64], _: usize, random: &mut XorshiftStar64| {
             let mut at = 0.0;
             let mut step = || {
                 at += 0.3 * noise(random);
@@ -205,7 +206,7 @@ mod tests {
             (0..ROWS).map(|_| step()).collect::<Vec<_>>()
         };
         assert!(is_own_of(walk), "seed {SEED}");
-        let plays = |u: &[f64], _: usize, _: &mut Random| {
+        let plays = |u: &[f64], _: usize, _: &mut XorshiftStar64| {
             let mut last = u[0];
             let mut follow = |u: &f64| {
                 last = play(*u, 0.5, last);
@@ -215,7 +216,7 @@ mod tests {
         };
         assert!(!is_own_of(plays), "seed {SEED}");
         // Slow creep of the cube, which is none of the functions.
-        let creep = |u: &[f64], _: usize, _: &mut Random| {
+        let creep = |u: &[f64], _: usize, _: &mut XorshiftStar64| {
             let mut slow = 0.0;
             let mut follow = |u: &f64| {
                 slow += (u.powi(3) - slow) / 700.0;
@@ -225,7 +226,7 @@ mod tests {
         };
         assert!(!is_own_of(creep), "seed {SEED}");
         // The same in each record: what starts with the record.
-        let settling = |_: &[f64], record: usize, _: &mut Random| {
+        let settling = |_: &[f64], record: usize, _: &mut XorshiftStar64| {
             let size = 10.0 + record as f64;
             (0..ROWS).map(|k| size * (-(k as f64) / 1500.0).exp()).collect::<Vec<_>>()
         };

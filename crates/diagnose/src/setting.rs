@@ -172,9 +172,10 @@ fn before_mode(task: &Task, residual: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use numerics::random::XorshiftStar64;
+
     use super::*;
     use crate::data_set::RecordRows;
-    use crate::random::Random;
 
     #[test]
     fn a_line_of_two_records_that_no_command_has_is_one_of_its_own() {
@@ -193,7 +194,7 @@ mod tests {
         let lengths = [("short", 2000), ("long", 3000), ("other", 2400)];
         let neighbour = [("neighbour".to_owned(), true)];
         let data = DataSet::new(lengths.map(record).into(), &neighbour, None);
-        let mut random = Random::new(5);
+        let mut random = XorshiftStar64::new(5);
         // Lines of two records, of one of them, of the longest; of the neighbour, of the command, of the mains.
         let residual: Vec<f64> = lengths
             .iter()
@@ -232,7 +233,7 @@ mod tests {
         };
         let data = DataSet::new(commands.map(record).into(), &[], None);
         let found = |lines: [f64; 3]| {
-            let mut random = Random::new(5);
+            let mut random = XorshiftStar64::new(5);
             let rows = lines.iter().flat_map(|f| (0..ROWS).map(move |k| (*f, k)));
             let residual: Vec<f64> =
                 rows.map(|(f, k)| tone(f, k) + random.uniform() - 0.5).collect();

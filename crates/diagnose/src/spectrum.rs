@@ -298,10 +298,10 @@ mod tests {
     fn a_resonance_is_found_where_what_is_left_answers_and_not_in_noise() {
         use surround::{Block, Signals};
 
-        use crate::random::Random;
+        use numerics::random::XorshiftStar64;
 
         let (seed, rows, sample) = (3, 20_000, 1e-3);
-        let mut random = Random::new(seed);
+        let mut random = XorshiftStar64::new(seed);
         let mut noise = || (0..rows).map(|_| random.uniform() - 0.5).collect::<Vec<f64>>();
         let (simulated, other) = (noise(), noise());
         let found = |left: &[f64]| {

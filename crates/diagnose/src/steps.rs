@@ -130,16 +130,17 @@ fn grid(values: &[f64]) -> Option<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
+    use numerics::random::XorshiftStar64;
+
     use super::*;
     use crate::data_set::RecordRows;
-    use crate::random::Random;
 
     const STEP: f64 = 0.37;
     const PHASE: f64 = 0.3;
 
     /// A slow reading of noise σ in steps.
     fn reading(sigma: f64) -> DataSet {
-        let mut random = Random::new(11);
+        let mut random = XorshiftStar64::new(11);
         let mut noise = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
         let smooth = |k: usize| 9.0 * (k as f64 * 1e-3).sin();
         let round = |x: f64| f64::from((STEP * ((x / STEP - PHASE).round() + PHASE)) as f32);

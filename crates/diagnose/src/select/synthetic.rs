@@ -9,6 +9,7 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use components::effects;
 use model::Effect;
+use numerics::random::XorshiftStar64;
 use surround::Block;
 
 use super::*;
@@ -16,7 +17,6 @@ use crate::base::{BaseParameter, Part};
 use crate::data_set::RecordRows;
 use crate::library::{Free, Slot};
 use crate::noise::Shape;
-use crate::random::Random;
 
 /// Rows of each record, of which 280 are fitted.
 const ROWS: usize = 400;
@@ -73,7 +73,7 @@ impl Synthetic {
 
     /// As `new`, where the rows that are held out show other tones.
     pub(super) fn shown(fitted: Tones<'_>, held_out: Tones<'_>, columns: &[Tones<'_>]) -> Self {
-        let mut random = Random::new(3);
+        let mut random = XorshiftStar64::new(3);
         let mut noise = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
         let over = |tones: Tones<'_>| (0..ROWS).map(|k| sum(tones, k)).collect::<Vec<_>>();
         let command = over(&[(COMMAND, 10.0)]);
