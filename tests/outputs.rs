@@ -211,7 +211,8 @@ fn temporary_files_go_with_a_signal() {
     fs::create_dir(&temporary).unwrap();
     succeed(&["pack", "p1-truth", "-o", "plant.fmu"], at);
     let mut log = "time,u\n".to_owned();
-    (0..600_000).for_each(|k| log.push_str(&format!("{},1\n", f64::from(k) * 1e-3)));
+    // Of many steps from row to row: a run of seconds, which a busy machine does not end before the signal comes.
+    (0..600_000).for_each(|k| log.push_str(&format!("{},1\n", f64::from(k) * 2e-2)));
     fs::write(at.join("long.csv"), log).unwrap();
     for (signal, number) in [("TERM", 15), ("HUP", 1), ("INT", 2)] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_piezoloop"))
