@@ -7,10 +7,10 @@
 //! caused = mean(r² − (r − xᵀc)²),    c = (XᵀX + λI)⁻¹Xᵀr of the other blocks
 //! ```
 //!
-//! in powers of the noise. Noise predicts nothing: the mean is not above zero then. The functions are the signals themselves, their low-passes, band-passes of the
-//! reading (a mode or a damping that is off), triangles over the ranges of both (a curve, a limit) and by direction (a
-//! memory). Level and slope of each block are taken out of all of them: slow courses have as few degrees of freedom as the
-//! slow functions that would explain them.
+//! in powers of the noise. Noise predicts nothing: the mean is not above zero then. The functions are the signals
+//! themselves, their low-passes, band-passes of the reading (a mode or a damping that is off), triangles over the ranges of
+//! both (a curve, a limit) and by direction (a memory). Level and slope of each block are taken out of all of them: slow
+//! courses have as few degrees of freedom as the slow functions that would explain them.
 //!
 //! Source of the idea: cross-validation, M. Stone, J. R. Stat. Soc. B 36 (1974) 111–147.
 
@@ -21,11 +21,17 @@ use nalgebra::{DMatrix, DVector};
 use surround::Span;
 
 use crate::data_set::DataSet;
+use crate::select::Candidate;
 use crate::thresholds::belief::Thresholds;
+
+/// The caused part of what the effects of a candidate leave; 0 where it has none.
+pub(crate) fn left_by(candidate: &Candidate, data: &DataSet, sigma: f64) -> f64 {
+    if candidate.picks.is_empty() { 0.0 } else { left(data, &candidate.judged.residual, sigma) }
+}
 
 /// The caused part, the mean of the rows that are fitted and held out, in powers of the noise; 0 where none is seen.
 /// `residual` is in standard deviations of the noise, which is `sigma` in SI.
-pub(crate) fn left(data: &DataSet, residual: &[f64], sigma: f64) -> f64 {
+fn left(data: &DataSet, residual: &[f64], sigma: f64) -> f64 {
     let reading: Vec<f64> = data.y.iter().zip(residual).map(|(y, r)| y - sigma * r).collect();
     let signals = Signals { data, span: Span::of(reading.iter().copied()), reading: &reading };
     let zero = || Normal {
@@ -96,7 +102,7 @@ impl Signals<'_> {
     ) {
         let records = self.data.records.iter().map(|r| r.rows.clone());
         for rows in records.filter(|r| r.len() >= Thresholds::CAUSED_ROWS) {
-            let mut functions = Functions::default();
+            let mut functions = Functions::new();
             for (k, block) in blocks(&rows).enumerate() {
                 let mut values = DMatrix::zeros(FUNCTIONS, block.len());
                 for (row, mut column) in block.clone().zip(values.column_iter_mut()) {
@@ -142,8 +148,11 @@ const TRIANGLES: usize = 9;
 const FUNCTIONS: usize = 2 * (3 + LOW_PASSES) + 2 * BANDS + 3 * TRIANGLES;
 
 /// The functions, from the start of a record.
-#[derive(Default)]
 struct Functions {
+    /// Time constant of each low-pass in rows, plus 1.
+    lags: [f64; LOW_PASSES],
+    /// Factors of the input and of the last two values of each band.
+    poles: [[f64; 3]; BANDS],
     /// Command and reading of the row before.
     last: Option<[f64; 2]>,
     lows: [[f64; LOW_PASSES]; 2],
@@ -153,6 +162,24 @@ struct Functions {
 }
 
 impl Functions {
+    fn new() -> Self {
+        // Two poles of quality 6, from near Nyquist's frequency down.
+        let poles = std::array::from_fn(|k| {
+            let angle = 0.9 * PI * 1.5f64.powi(-(k as i32));
+            let pole = (-angle / 12.0).exp();
+            [1.0 - pole, 2.0 * pole * angle.cos(), pole * pole]
+        });
+        Self {
+            // Time constants of 1, 3, 9 … rows.
+            lags: std::array::from_fn(|k| 1.0 + 3.0f64.powi(k as i32)),
+            poles,
+            last: None,
+            lows: [[0.0; LOW_PASSES]; 2],
+            bands: [[0.0; 2]; BANDS],
+            direction: 0.0,
+        }
+    }
+
     /// The functions of the next row.
     fn next(&mut self, u: f64, y: f64, into: &mut [f64]) {
         let last = self.last.unwrap_or([u, y]);
@@ -164,18 +191,14 @@ impl Functions {
         let mut push = |value: f64| *into.next().expect("one place for each function") = value;
         for ((x, before), lows) in [u, y].into_iter().zip(last).zip(&mut self.lows) {
             [x, x - before, (x - before).abs()].into_iter().for_each(&mut push);
-            for (k, low) in lows.iter_mut().enumerate() {
-                // Of time constants of 1, 3, 9 … rows.
-                *low += (x - *low) / (1.0 + 3.0f64.powi(k as i32));
+            for (low, lag) in lows.iter_mut().zip(&self.lags) {
+                *low += (x - *low) / lag;
                 push(*low);
             }
         }
-        for (k, band) in self.bands.iter_mut().enumerate() {
-            // Two poles of quality 6, from near Nyquist's frequency down.
-            let angle = 0.9 * PI * 1.5f64.powi(-(k as i32));
-            let pole = (-angle / 12.0).exp();
+        for (band, [of_input, of_one, of_two]) in self.bands.iter_mut().zip(&self.poles) {
             let [one, two] = *band;
-            let now = (1.0 - pole) * y + 2.0 * pole * angle.cos() * one - pole * pole * two;
+            let now = of_input * y + of_one * one - of_two * two;
             *band = [now, one];
             [now, one].into_iter().for_each(&mut push);
         }
@@ -221,16 +244,7 @@ mod tests {
                 residual.push(caused + noise(&mut random));
             }
             let y = u.iter().zip(&residual[record * ROWS..]).map(|(u, r)| u + 0.01 * r).collect();
-            RecordRows {
-                name: record.to_string(),
-                time: (0..ROWS).map(|k| 1e-3 * k as f64).collect(),
-                y,
-                command: u,
-                aux: Vec::new(),
-                others: Vec::new(),
-                run_in: 0,
-                training: 0.7,
-            }
+            RecordRows { name: record.to_string(), y, command: u, ..RecordRows::still(ROWS, 0.7) }
         });
         let data = DataSet::new(records.collect(), &[], None);
         (left(&data, &residual, 0.01), power)

@@ -407,10 +407,7 @@ impl Run<'_> {
         let Scale { judge, sigma, adequate, fine, .. } = scale;
         let offset = offset::of(&task, (&found.base, &found.last), sigma, self.count);
         let predicted = own_course::left_out(&found.last, &judge, &task.data, sigma, self.count);
-        let caused = match found.last.picks.is_empty() {
-            true => 0.0,
-            false => causal::left(&task.data, &found.last.judged.residual, sigma),
-        };
+        let caused = causal::left_by(&found.last, &task.data, sigma);
         Outcome {
             task,
             library,

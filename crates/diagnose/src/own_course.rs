@@ -182,13 +182,9 @@ mod tests {
             residual.extend(course(&u, record, &mut random).iter().map(|r| r + noise(&mut random)));
             RecordRows {
                 name: record.to_string(),
-                time: (0..ROWS).map(|k| 1e-3 * k as f64).collect(),
                 y: u.clone(),
                 command: u,
-                aux: Vec::new(),
-                others: Vec::new(),
-                run_in: 0,
-                training: 0.7,
+                ..RecordRows::still(ROWS, 0.7)
             }
         });
         let data = DataSet::new(records.collect(), &[], None);

@@ -292,7 +292,11 @@ impl Others {
                 let mut before = after.clone();
                 let values = before.iter_mut().zip(&first.values).zip(&self.is_shared);
                 values.filter(|(_, shared)| **shared).for_each(|((own, value), _)| *own = *value);
-                is_first |= !way.way.add_change((&before, &after), records, path, &mut signal)?;
+                let change = (&before[..], &after[..]);
+                is_first = !way.way.add_change(change, records, path, &mut signal)?;
+                if is_first {
+                    break;
+                }
             }
         }
         if is_first {

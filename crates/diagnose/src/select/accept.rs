@@ -249,7 +249,7 @@ impl Search<'_> {
         mut best: Candidate,
         rivals: &mut Vec<Vec<Looked>>,
     ) -> Candidate {
-        let caused = causal::left(self.data, &best.judged.residual, self.sigma);
+        let caused = causal::left_by(&best, self.data, self.sigma);
         loop {
             let sight = Sight { caused, ..self.sight(base) };
             if best.picks.is_empty() || !self.explains_enough(base, &best) {
