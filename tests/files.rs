@@ -191,15 +191,17 @@ impl SmallDisk {
         job.put_old(self.path());
         let filled = fs::write(self.path().join("filler"), vec![0; 1 << 17]);
         assert!(filled.is_err(), "it is small");
-        // Linux counts a tmpfs's blocks per processor and may refuse before the last one: it is full when pages are
-        // refused again and again.
+        // Linux counts a tmpfs's blocks per processor and may refuse before the last one, and what the last call wrote is
+        // free only once all its processes have ended: the disk is full when pages are refused for a while.
         let mut refused = 0;
         for page in 0.. {
             let filler = self.path().join(format!("filler-{page}"));
-            refused += usize::from(fs::write(filler, [0; 4096]).is_err());
+            let is_written = fs::write(filler, [0; 4096]).is_ok();
+            refused = if is_written { 0 } else { refused + 1 };
             if refused == 8 {
                 break;
             }
+            std::thread::sleep(std::time::Duration::from_millis(if is_written { 0 } else { 5 }));
         }
     }
 }

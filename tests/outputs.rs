@@ -225,11 +225,13 @@ fn temporary_files_go_with_a_signal() {
             let names = fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name());
             names.into_iter().any(|name| name.to_string_lossy().starts_with(".run.csv"))
         };
+        let is_unpacked = || fs::read_dir(&temporary).unwrap().count() > 0;
         let begin = Instant::now();
-        while !is_begun() && begin.elapsed() < Duration::from_secs(60) {
+        while !(is_begun() && is_unpacked()) && begin.elapsed() < Duration::from_secs(60) {
+            assert!(child.try_wait().unwrap().is_none(), "it ended before the signal");
             std::thread::sleep(Duration::from_millis(5));
         }
-        assert!(is_begun() && fs::read_dir(&temporary).unwrap().count() > 0);
+        assert!(is_begun() && is_unpacked());
         let id = child.id().to_string();
         assert!(kill(&["-s", signal, &id]).status().unwrap().success());
         assert_eq!(child.wait().unwrap().signal(), Some(number));
