@@ -43,7 +43,7 @@ pub(crate) fn environment(
     let _ = fs::remove_dir_all(&folder);
     let host = if cfg!(windows) { "python" } else { "python3" };
     run(Command::new(host).args(["-m", "venv"]).arg(&folder))?;
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let pip = ["-m", "pip", "install", "--quiet", "--no-compile", "--disable-pip-version-check"];
     let mut install = Command::new(&interpreter);
     install.args(pip).args(["--require-hashes", "-r"]).arg(requirements);
     run(&mut install)?;
