@@ -196,12 +196,15 @@ impl SmallDisk {
         let mut refused = 0;
         for page in 0.. {
             let filler = self.path().join(format!("filler-{page}"));
-            let is_written = fs::write(filler, [0; 4096]).is_ok();
-            refused = if is_written { 0 } else { refused + 1 };
+            if fs::write(filler, [0; 4096]).is_ok() {
+                refused = 0;
+                continue;
+            }
+            refused += 1;
             if refused == 8 {
                 break;
             }
-            std::thread::sleep(std::time::Duration::from_millis(if is_written { 0 } else { 5 }));
+            std::thread::sleep(Duration::from_millis(5));
         }
     }
 }
