@@ -6,10 +6,10 @@ use crate::common;
 use std::io::BufRead;
 use std::path::Path;
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use common::bench::{Process, machine, port, stage};
-use common::{refuse, succeed};
+use common::{refuse, succeed, wait_for};
 use serde_json::Value;
 
 fn run(port: u16, more: &[&str], folder: &Path) -> (Value, Option<i32>) {
@@ -112,11 +112,7 @@ fn a_killed_runner_leaves_its_rows_and_the_machine_stops_itself() {
     );
     let journal = folder.path().join("run.csv.journal");
     let size = || std::fs::metadata(&journal).map_or(0, |found| found.len());
-    let begin = Instant::now();
-    while size() < 60_000 {
-        assert!(begin.elapsed() < Duration::from_secs(60), "no rows: {} bytes", size());
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    wait_for("60 kB of rows", || (size() >= 60_000).then_some(()));
     runner.signal("-KILL");
     let (_, code) = runner.end();
     assert_eq!(code, None);
@@ -431,15 +427,10 @@ fn the_terminal_view_shows_the_run_on_a_terminal_and_q_stops_it() {
         return;
     }
     let shows = |words: &[&str]| {
-        let begin = Instant::now();
-        loop {
+        wait_for(&format!("{words:?} on the screen"), || {
             let screen = tmux(&["capture-pane", "-p"]).expect("a screen");
-            if words.iter().all(|word| screen.contains(word)) {
-                return screen;
-            }
-            assert!(begin.elapsed() < Duration::from_secs(60), "{words:?} not in\n{screen}");
-            std::thread::sleep(Duration::from_millis(100));
-        }
+            words.iter().all(|word| screen.contains(word)).then_some(screen)
+        })
     };
     let screen = shows(&["RUNNING", "6.0000 V", "position[1]", " um", "corrupt 0", "q: stop"]);
     println!("{screen}");

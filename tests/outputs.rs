@@ -9,7 +9,7 @@ use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::Command;
 
-use common::{kill, refuse, succeed};
+use common::{kill, refuse, succeed, wait_for};
 
 const LOG: &str = "time [s],u [V],y [um]\n0,0,0\n0.001,1,1\n0.002,2,2\n0.003,1,1.1\n0.004,0,0.1\n";
 
@@ -204,7 +204,6 @@ fn escapes_of_terminals_are_shown() {
 #[test]
 fn temporary_files_go_with_a_signal() {
     use std::os::unix::process::ExitStatusExt as _;
-    use std::time::{Duration, Instant};
     let folder = folder();
     let at = folder.path();
     let temporary = at.join("tmp");
@@ -226,12 +225,10 @@ fn temporary_files_go_with_a_signal() {
             names.into_iter().any(|name| name.to_string_lossy().starts_with(".run.csv"))
         };
         let is_unpacked = || fs::read_dir(&temporary).unwrap().count() > 0;
-        let begin = Instant::now();
-        while !(is_begun() && is_unpacked()) && begin.elapsed() < Duration::from_secs(60) {
+        wait_for("a run that writes", || {
             assert!(child.try_wait().unwrap().is_none(), "it ended before the signal");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        assert!(is_begun() && is_unpacked());
+            (is_begun() && is_unpacked()).then_some(())
+        });
         let id = child.id().to_string();
         assert!(kill(&["-s", signal, &id]).status().unwrap().success());
         assert_eq!(child.wait().unwrap().signal(), Some(number));
@@ -314,10 +311,9 @@ fn temporary_files_go_with_a_signal_during_preparation() {
                     fs::read_dir(own.path()).is_ok_and(|mut e| e.next().is_some())
                 })
             };
-            let begin = Instant::now();
-            while !inside() && begin.elapsed() < Duration::from_secs(60) {
-                std::thread::sleep(Duration::from_millis(1));
-            }
+            wait_for("a folder of the FMU", || {
+                (inside() || child.try_wait().unwrap().is_some()).then_some(())
+            });
             std::thread::sleep(Duration::from_millis(10 * moment as u64));
             let id = child.id().to_string();
             let sent = kill(&["-s", signal, &id]).output().unwrap();

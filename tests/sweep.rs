@@ -6,9 +6,8 @@ use crate::common;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
-use common::{refuse, root, succeed};
+use common::{refuse, root, succeed, wait_for};
 
 /// A loop of rig evc over a short ellipse.
 fn prepared(folder: &Path) {
@@ -67,11 +66,9 @@ fn threads_shards_and_a_kill_leave_no_trace() {
         .spawn()
         .expect("the tool starts");
     let journal = folder.join("killed.parquet.journal");
-    let patience = Instant::now();
-    while fs::metadata(&journal).map_or(0, |about| about.len()) < 5000 {
-        assert!(patience.elapsed() < Duration::from_secs(60), "no run was kept");
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    wait_for("runs that are kept", || {
+        fs::metadata(&journal).is_ok_and(|about| about.len() >= 5000).then_some(())
+    });
     killed.kill().expect("it runs");
     killed.wait().expect("it ends");
     assert!(!folder.join("killed.parquet").exists(), "a table appears whole");

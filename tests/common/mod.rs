@@ -16,6 +16,7 @@ pub(crate) mod spy;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
 /// A controller of two axes with a Jacobian that is not calibrated yet.
 pub(crate) const COORDINATED: &str = include_str!("../blueprints/coordinated.toml");
@@ -27,6 +28,18 @@ pub(crate) fn at_once<T: Sync>(cases: &[T], run: impl Fn(&T) + Sync) {
     std::thread::scope(|scope| {
         cases.iter().for_each(|case| drop(scope.spawn(|| run(case))));
     });
+}
+
+/// What `look` finds within a minute.
+pub(crate) fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let begin = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(60), "not within a minute: {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 /// Runs the tool and returns what it said.
