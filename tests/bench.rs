@@ -112,7 +112,10 @@ fn a_killed_runner_leaves_its_rows_and_the_machine_stops_itself() {
     );
     let journal = folder.path().join("run.csv.journal");
     let size = || std::fs::metadata(&journal).map_or(0, |found| found.len());
-    wait_for("60 kB of rows", || (size() >= 60_000).then_some(()));
+    wait_for(|| match size() {
+        60_000.. => Ok(()),
+        size => Err(format!("no rows: {size} bytes")),
+    });
     runner.signal("-KILL");
     let (_, code) = runner.end();
     assert_eq!(code, None);
@@ -427,9 +430,10 @@ fn the_terminal_view_shows_the_run_on_a_terminal_and_q_stops_it() {
         return;
     }
     let shows = |words: &[&str]| {
-        wait_for(&format!("{words:?} on the screen"), || {
+        wait_for(|| {
             let screen = tmux(&["capture-pane", "-p"]).expect("a screen");
-            words.iter().all(|word| screen.contains(word)).then_some(screen)
+            let is_shown = words.iter().all(|word| screen.contains(word));
+            if is_shown { Ok(screen) } else { Err(format!("{words:?} not in\n{screen}")) }
         })
     };
     let screen = shows(&["RUNNING", "6.0000 V", "position[1]", " um", "corrupt 0", "q: stop"]);

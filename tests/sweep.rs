@@ -66,8 +66,9 @@ fn threads_shards_and_a_kill_leave_no_trace() {
         .spawn()
         .expect("the tool starts");
     let journal = folder.join("killed.parquet.journal");
-    wait_for("runs that are kept", || {
-        fs::metadata(&journal).is_ok_and(|about| about.len() >= 5000).then_some(())
+    wait_for(|| match fs::metadata(&journal) {
+        Ok(about) if about.len() >= 5000 => Ok(()),
+        about => Err(format!("no run was kept: {about:?}")),
     });
     killed.kill().expect("it runs");
     killed.wait().expect("it ends");
