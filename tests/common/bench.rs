@@ -5,13 +5,17 @@ use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicU16, Ordering};
 
-/// A free pair of ports of this test process.
+/// A free pair of ports of this test process. They lie below those that systems give to clients, from 32768 on, which
+/// stay taken for a minute after each connection.
 pub(crate) fn port() -> u16 {
     static NEXT: AtomicU16 = AtomicU16::new(0);
-    let base = 21_000 + (std::process::id() % 1000) as u16 * 20;
+    let base = 10_000 + (std::process::id() % 1000) as u16 * 20;
     loop {
         let port = base + 2 * NEXT.fetch_add(1, Ordering::Relaxed);
-        let free = |port: u16| std::net::UdpSocket::bind(("127.0.0.1", port)).is_ok();
+        let free = |port: u16| {
+            let place = ("127.0.0.1", port);
+            std::net::UdpSocket::bind(place).is_ok() && std::net::TcpListener::bind(place).is_ok()
+        };
         if free(port) && free(port + 1) {
             return port;
         }

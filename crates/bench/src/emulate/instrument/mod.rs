@@ -271,6 +271,8 @@ impl Stage {
     pub(super) fn is_on_target(&self, axis: usize) -> bool {
         let [least, greatest] = self.travel[axis].range();
         let Axis { servo, target, position, .. } = self.axes[axis];
+        // An input signal that has just been connected gives the target before the next servo cycle does.
+        let target = self.analog(axis).map_or(target, |value| value.clamp(least, greatest));
         servo && (target - position).abs() <= ON_TARGET * (greatest - least)
     }
 }
