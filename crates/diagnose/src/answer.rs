@@ -22,7 +22,7 @@ use crate::own_course;
 use crate::place::Maps;
 use crate::request::{Model, Request};
 use crate::score::{Judged, explained};
-use crate::select::{Candidate, Looked};
+use crate::select::{Candidate, Looked, Why};
 use crate::shrink::Evidence;
 use crate::steps;
 use crate::thresholds::answer::Thresholds;
@@ -223,32 +223,24 @@ pub(crate) fn parameters(
     slot: usize,
 ) -> BTreeMap<String, Estimate> {
     let mut all = BTreeMap::new();
-    let formulas = candidate.picks.iter().map(|(f, k)| &o.library[*f].formulas[*k]);
-    let base = candidate.chain.parameters.iter().take_while(|p| p.is_base).count();
-    let mut first = base;
-    for (number, formula) in formulas.enumerate() {
-        let count = formula.parameters.len();
-        if number == slot {
-            let effect = o.library[candidate.picks[slot].0].effect.name;
-            for k in first..first + count {
-                let p = &candidate.chain.parameters[k];
-                let value = estimate(o, p, candidate.fit.theta[k], candidate.fit.deviations[k]);
-                all.insert(format!("{effect}.{}", p.name.replace(' ', "_")), value);
-            }
-            for k in &formula.releases {
-                let released = &o.task.base.parameters[*k];
-                if let Some(at) = find(&candidate.chain, &released.name) {
-                    let (q, d) = (candidate.fit.theta[at], candidate.fit.deviations[at]);
-                    let estimate = Estimate {
-                        value: released.value + released.deviation * q,
-                        std: d.map(|d| d * released.deviation),
-                        unit: released.unit.clone(),
-                    };
-                    all.insert(released.name.clone(), estimate);
-                }
-            }
+    let (family, formula) = candidate.picks[slot];
+    let family = &o.library[family];
+    for k in candidate.own(&o.library, slot) {
+        let p = &candidate.chain.parameters[k];
+        let value = estimate(o, p, candidate.fit.theta[k], candidate.fit.deviations[k]);
+        all.insert(format!("{}.{}", family.effect.name, p.name.replace(' ', "_")), value);
+    }
+    for k in &family.formulas[formula].releases {
+        let released = &o.task.base.parameters[*k];
+        if let Some(at) = find(&candidate.chain, &released.name) {
+            let (q, d) = (candidate.fit.theta[at], candidate.fit.deviations[at]);
+            let estimate = Estimate {
+                value: released.value + released.deviation * q,
+                std: d.map(|d| d * released.deviation),
+                unit: released.unit.clone(),
+            };
+            all.insert(released.name.clone(), estimate);
         }
-        first += count;
     }
     all
 }
@@ -394,6 +386,7 @@ fn tried(o: &Outcome) -> Vec<Tried> {
             let best = l.best.as_ref();
             let formula = best.map_or("", |c| o.library[l.family].formulas[c.picks[0].1].name);
             let of_family = |b: &&belief::Belief| b.family == l.family;
+            let imitates = best.is_some_and(|c| c.imitates(&o.library, 0));
             Tried {
                 effect: effect.to_owned(),
                 output: o.task.output.clone(),
@@ -404,7 +397,10 @@ fn tried(o: &Outcome) -> Vec<Tried> {
                 screening: if l.screening.is_finite() { l.screening } else { 0.0 },
                 probability: beliefs.iter().find(of_family).map_or(0.0, |b| b.probability),
                 accepted: o.found.last.picks.iter().any(|(f, _)| *f == l.family),
-                left_out: l.why.map(|why| why.text().to_owned()),
+                left_out: l
+                    .why
+                    .or(imitates.then_some(Why::AtBound))
+                    .map(|why| why.text().to_owned()),
                 parameters: best.map(|c| parameters(o, c, 0)).unwrap_or_default(),
             }
         })

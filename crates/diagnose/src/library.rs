@@ -152,6 +152,8 @@ pub(crate) struct Formula {
     pub(crate) joint_mode: Option<bool>,
     /// Whether it is no candidate and only stands in for one that no component of a blueprint can be.
     pub(crate) is_stand_in: bool,
+    /// Whether the bounds of its parameters are those of the effect: a fit that ends at one imitates another effect.
+    pub(crate) ends_inside: bool,
 }
 
 impl Formula {
@@ -170,6 +172,7 @@ impl Formula {
             is_fitted_anew: false,
             joint_mode: None,
             is_stand_in: false,
+            ends_inside: false,
         }
     }
 
@@ -248,6 +251,12 @@ impl Formula {
             }));
         }
         all
+    }
+
+    /// As one whose fit must end inside the bounds of its parameters.
+    pub(crate) fn inside(mut self) -> Self {
+        self.ends_inside = true;
+        self
     }
 
     /// As a formula that only stands in for others.

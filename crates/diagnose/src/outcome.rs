@@ -167,6 +167,25 @@ pub(crate) fn of(task: Task, request: &Request, count: &AtomicU64) -> Result<Out
     Run { request, count, memo: &memo }.without_courses(outcome)
 }
 
+/// The answer without effects that others imitate: none is named whose fit ends at a bound of what it can be.
+///
+/// # Errors
+/// As [`of`].
+pub(crate) fn without_imitations(
+    mut o: Outcome,
+    request: &Request,
+    count: &AtomicU64,
+) -> Result<Outcome, Error> {
+    let last = &o.found.last;
+    if !(0..last.picks.len()).any(|slot| last.imitates(&o.library, slot)) {
+        return Ok(o);
+    }
+    o.task.ends_inside = true;
+    let otherwise = std::mem::take(&mut o.otherwise);
+    let again = Run { request, count, memo: &Memo::default() }.again(o)?;
+    Ok(Outcome { otherwise, ..again })
+}
+
 /// Whether a free course is named that is none of each record's own, and that predicts no complete record: a drift that returns
 /// with the command is no drift.
 fn drifts_alike(o: &Outcome) -> bool {
@@ -313,17 +332,22 @@ impl Run<'_> {
     }
 
     /// The answer without free courses, which explain the held-out rows and no complete record.
-    fn without_courses(&self, o: Outcome) -> Result<Outcome, Error> {
-        let Outcome { mut task, mut library, judge, sigma, adequate, fine, given, found, .. } = o;
-        for family in &mut library {
+    fn without_courses(&self, mut o: Outcome) -> Result<Outcome, Error> {
+        for family in &mut o.library {
             family.formulas.retain(|f| !is_course(f));
         }
-        library.retain(|f| !f.formulas.is_empty());
-        task.warnings.push(format!(
+        o.library.retain(|f| !f.formulas.is_empty());
+        o.task.warnings.push(format!(
             "{}: a drift would explain the held-out rows, but not a record that is left out of the fit as a whole: it is \
              not named",
-            task.output
+            o.task.output
         ));
+        self.again(o)
+    }
+
+    /// The answer that a new search gives.
+    fn again(&self, o: Outcome) -> Result<Outcome, Error> {
+        let Outcome { task, library, judge, sigma, adequate, fine, given, found, .. } = o;
         let scale = Scale { judge, sigma, sure: adequate, adequate, fine };
         let position = simulated_span(&found.base, &task.data, self.count);
         let position = position.unwrap_or(task.data.output_span);
@@ -443,6 +467,7 @@ impl Run<'_> {
             fine: 0.0,
             count: self.count,
             max_effects: 0,
+            ends_inside: false,
             memo: self.memo,
         };
         search.retune().map_err(|_| cannot_run(task))
@@ -491,6 +516,7 @@ impl Run<'_> {
             fine: scale.fine,
             count: self.count,
             max_effects: task.max_effects,
+            ends_inside: task.ends_inside,
             memo: self.memo,
         }
     }

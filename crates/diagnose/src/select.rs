@@ -5,6 +5,7 @@ mod away;
 mod formulas;
 mod memo;
 
+use std::ops::Range;
 use std::sync::atomic::AtomicU64;
 
 use components::effects;
@@ -48,6 +49,24 @@ impl Candidate {
         let mut all = self.chain.parameters.iter().zip(&self.fit.theta);
         all.find(|(p, _)| p.is_base && p.name == LATE).map(|(p, q)| p.value(*q))
     }
+
+    /// Places of the parameters of effect number `slot` in the chain.
+    pub(crate) fn own(&self, library: &[Family], slot: usize) -> Range<usize> {
+        let count = |(family, k): (usize, usize)| library[family].formulas[k].parameters.len();
+        let base = self.chain.parameters.iter().take_while(|p| p.is_base).count();
+        let first = base + self.picks[..slot].iter().map(|pick| count(*pick)).sum::<usize>();
+        first..first + count(self.picks[slot])
+    }
+
+    /// Whether the formula of effect number `slot` imitates another effect: its fit ends at a bound of the effect.
+    pub(crate) fn imitates(&self, library: &[Family], slot: usize) -> bool {
+        let (family, k) = self.picks[slot];
+        let is_at_bound = |at: usize| {
+            let (p, q) = (&self.chain.parameters[at], self.fit.theta[at]);
+            q <= p.low || q >= p.high
+        };
+        library[family].formulas[k].ends_inside && self.own(library, slot).any(is_at_bound)
+    }
 }
 
 /// A family that was looked at in a round.
@@ -70,6 +89,8 @@ pub(crate) enum Why {
     Failed,
     /// What it becomes without the effect, or another gain of the output, explains as much.
     AsNull,
+    /// Its fit ends at a bound.
+    AtBound,
 }
 
 impl Why {
@@ -79,6 +100,7 @@ impl Why {
             Self::Screened => "not fitted: others promised more",
             Self::Failed => "its formulas could not be simulated beside the model",
             Self::AsNull => "explains no more than without the effect or than another gain",
+            Self::AtBound => "not named: its fit ends at a bound of what the effect can be",
         }
     }
 }
@@ -130,6 +152,8 @@ pub(crate) struct Search<'a> {
     pub(crate) fine: f64,
     pub(crate) count: &'a AtomicU64,
     pub(crate) max_effects: usize,
+    /// Whether no effect is named that imitates another.
+    pub(crate) ends_inside: bool,
     /// What was made already.
     pub(crate) memo: &'a Memo,
 }

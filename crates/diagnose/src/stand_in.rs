@@ -26,6 +26,7 @@ pub(crate) fn stand_in(
         fine: o.fine,
         count: &count,
         max_effects: 0,
+        ends_inside: false,
         memo: &memo,
     };
     let mut last = o.found.last.clone();

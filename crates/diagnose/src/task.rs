@@ -51,6 +51,9 @@ pub(crate) struct Task {
     pub(crate) course: Course,
     /// Most effects that are looked for.
     pub(crate) max_effects: usize,
+    /// Whether no effect is named that imitates another. How the logs are read is found without that: what is imitated
+    /// points to it.
+    pub(crate) ends_inside: bool,
     /// The axes with which it is coupled, where it is a motion.
     pub(crate) coupled: Option<Arc<Coupled>>,
 }
@@ -378,6 +381,7 @@ pub(crate) fn assemble(
         warnings,
         course,
         max_effects: request.max_effects,
+        ends_inside: false,
         coupled: None,
     })
 }

@@ -142,6 +142,7 @@ fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
                 )
                 .starts(starts.iter().map(|f| vec![0.02, *f, 0.03]))
                 .screened(2)
+                .inside()
                 .resonates(1),
         );
         all.push(
@@ -153,6 +154,7 @@ fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
                 )
                 .starts(starts.iter().map(|f| vec![*f, 0.02, 1.01, 0.02]))
                 .screened(3)
+                .inside()
                 .resonates(0),
         );
     }
@@ -264,7 +266,8 @@ pub(super) fn backlash(s: &Setting<'_>) -> Vec<Formula> {
             .starts(starts.clone()),
         Formula::new("clearance with a spring across it, before the mechanics")
             .block(Slot::BeforeMechanics, Block::BridgedBacklash, vec![half, bridge])
-            .starts(starts.map(|start| vec![start[0], 0.1])),
+            .starts(starts.map(|start| vec![start[0], 0.1]))
+            .inside(),
     ]
 }
 
@@ -294,15 +297,16 @@ fn friction(s: &Setting<'_>) -> Vec<Formula> {
 
 /// A spring whose own force has memory: a part of it, of a stiffness of its own, yields or hardens with the
 /// way since the last reversal (Bouc-Wen). It bends over a good part of the range; what slides after a short
-/// way is friction.
+/// way is friction. With a part that depends on the size of more than 1 it would give back energy that it never took
+/// (Erlicher and Point, 2004).
 pub(super) fn hysteresis_of_the_spring(s: &Setting<'_>) -> Option<Formula> {
     s.base.mode?;
     let (c, h) = (s.position.centre, s.position.half);
-    let mut formula = Formula::new("Bouc-Wen in the mode").screened(4);
+    let mut formula = Formula::new("Bouc-Wen in the mode").screened(4).inside();
     formula.parameters = vec![
         Free::log("stiffness of the part with memory", "1", 1e-3, 10.0),
         Free::log("distance", "{position}", 0.1 * h, 30.0 * h),
-        Free::linear("part that depends on the size", "1", -3.0, 3.0).step(0.02),
+        Free::linear("part that depends on the size", "1", -3.0, 1.0).step(0.02),
         Free::linear("stiffness beside the model's", "1", -0.9, 3.0).step(2e-3),
     ];
     formula.starts = [(0.1, 0.3), (0.3, 0.5), (0.3, 1.5)]

@@ -258,6 +258,9 @@ impl Search<'_> {
             best = self.most_probable(&sight, rivals, best);
             let trust = |slot: usize| {
                 let family = best.picks[slot].0;
+                if self.ends_inside && best.imitates(self.library, slot) {
+                    return 0.0;
+                }
                 if best.picks.len() > 1 {
                     let beliefs = belief::beliefs(&sight, &rivals[slot], &best);
                     return belief::trust(self.library, &beliefs, family);
@@ -308,7 +311,12 @@ impl Search<'_> {
         let has_own = self.formulas(&best.picks).iter().any(|f| f.is_of_its_own());
         // A line that is no multiple of the mains, or a course without a formula, is a disturbance only where it is
         // nearly all.
-        let least = if has_own && best.picks.len() == 1 {
+        let is_of_group =
+            |(family, _): &(usize, usize)| self.library[*family].effect.group.is_some();
+        // The right formula leaves little more than the noise of a faint gap. Within a group the formulas are alike.
+        let is_faint =
+            base.judged.held_out < Thresholds::FAINT && !best.picks.iter().any(is_of_group);
+        let least = if (has_own && best.picks.len() == 1) || is_faint {
             Thresholds::POWER_OF_OWN
         } else {
             Thresholds::POWER

@@ -115,6 +115,7 @@ mod tests {
                 percent(Belief::LIBRARY),
                 percent(Belief::LIBRARY_OF_GROUPS)
             ),
+            format!("must explain at least {} of it", percent(Belief::POWER_OF_OWN)),
         ];
         let page = page();
         for sentence in stated {
@@ -124,6 +125,8 @@ mod tests {
         assert_eq!(Belief::ORDER.exp().round(), 5.0);
         assert_eq!(base::Thresholds::RUN_IN_STANDS_OUT.sqrt(), 3.0);
         assert_eq!((1.0 / Belief::LEFT_OF_UNKNOWN).round(), 8.0);
+        // "Less than ten times the noise's power is faint".
+        assert_eq!(Belief::FAINT, 10.0);
         assert_eq!((fit::Thresholds::MANY_TUNED, fit::Thresholds::FAR), (8, 3.0));
     }
 }

@@ -107,6 +107,30 @@ fn no_more_effects_are_looked_for_than_asked() {
 }
 
 #[test]
+fn what_ends_at_a_bound_of_an_effect_is_not_named() {
+    let weight = |high| {
+        let mut synthetic = Synthetic::new(&[(3, 5.0)], &[&[(3, 1.0)], &[(7, 1.0)]]);
+        let formula = &mut synthetic.library[0].formulas[0];
+        (formula.parameters[0].high, formula.ends_inside) = (high, true);
+        synthetic
+    };
+    for (high, at_bound) in [(4.8, true), (6.0, false)] {
+        let synthetic = weight(high);
+        let found = synthetic.search().run(synthetic.retuned()).unwrap();
+        assert_eq!(names(&found.last).is_empty(), at_bound, "{high}");
+        let best = found.first[0].best.as_ref().unwrap();
+        assert_eq!(best.imitates(&synthetic.library, 0), at_bound);
+        // While it is found how the logs are read, it points to that.
+        let search = Search { ends_inside: false, ..synthetic.search() };
+        assert_eq!(names(&search.run(synthetic.retuned()).unwrap().last), [0]);
+    }
+    let mut synthetic = weight(4.8);
+    synthetic.library[0].formulas[0].ends_inside = false;
+    let found = synthetic.search().run(synthetic.retuned()).unwrap();
+    assert_eq!(names(&found.last), [0], "the bounds are not those of the effect");
+}
+
+#[test]
 fn nothing_is_looked_for_where_nothing_is_left() {
     let synthetic = Synthetic::new(&[], &[&[(3, 1.0)]]);
     let found = synthetic.search().run(synthetic.retuned()).unwrap();
