@@ -281,8 +281,9 @@ fn effect_of(
         1 => 1.0,
         _ => belief::is_effect(&sight, candidate, explained),
     };
-    let probability =
-        is_effect * beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
+    let probability = is_effect
+        * candidate.doubt(&o.library, slot)
+        * beliefs.iter().find(|b| b.family == family).map_or(0.0, |b| b.probability);
     let mut set: Vec<String> =
         belief::set(&beliefs).into_iter().map(|f| o.library[f].effect.name.to_owned()).collect();
     if !set.iter().any(|name| name == effect.name) {
@@ -395,7 +396,8 @@ fn tried(o: &Outcome) -> Vec<Tried> {
                 training: best.and_then(|c| finite(c.fit.mean_square)),
                 holdout: best.and_then(|c| finite(c.judged.held_out)),
                 screening: if l.screening.is_finite() { l.screening } else { 0.0 },
-                probability: beliefs.iter().find(of_family).map_or(0.0, |b| b.probability),
+                probability: best.map_or(1.0, |c| c.doubt(&o.library, 0))
+                    * beliefs.iter().find(of_family).map_or(0.0, |b| b.probability),
                 accepted: o.found.last.picks.iter().any(|(f, _)| *f == l.family),
                 left_out: l
                     .why

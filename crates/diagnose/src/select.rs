@@ -22,6 +22,7 @@ use crate::fit::{Fit, Fitter, Linear};
 use crate::library::{Family, Formula, Slot, gain};
 use crate::score::{Judge, Judged};
 use crate::spectrum;
+use crate::thresholds::belief::Thresholds as BeliefThresholds;
 use crate::thresholds::search::Thresholds;
 
 /// A fitted and judged set of effects.
@@ -56,6 +57,11 @@ impl Candidate {
         let base = self.chain.parameters.iter().take_while(|p| p.is_base).count();
         let first = base + self.picks[..slot].iter().map(|pick| count(*pick)).sum::<usize>();
         first..first + count(self.picks[slot])
+    }
+
+    /// By how much the name of effect number `slot` is less likely as it imitates another.
+    pub(crate) fn doubt(&self, library: &[Family], slot: usize) -> f64 {
+        if self.imitates(library, slot) { BeliefThresholds::AT_BOUND } else { 1.0 }
     }
 
     /// Whether the formula of effect number `slot` imitates another effect: its fit ends at a bound of the effect.

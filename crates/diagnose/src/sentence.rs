@@ -1,6 +1,7 @@
 //! The answer in one sentence.
 
-use crate::gap::{Gap, NamedEffect, OutputGap, Shrink, Verdict};
+use crate::gap::{Gap, NamedEffect, OutputGap, Shrink, Tried, Verdict};
+use crate::select::Why;
 use crate::thresholds::answer::Thresholds;
 
 /// The one effect that no model foretells.
@@ -72,8 +73,15 @@ fn partial(gap: &Gap, output: &str) -> String {
             own_drift(own)
         );
     }
+    let is_own = |t: &&Tried| t.effect == p.effect.effect && t.output == output;
+    let tried = gap.candidates.iter().find(is_own);
+    let at_bound = tried.is_some_and(|t| t.left_out.as_deref() == Some(Why::AtBound.text()));
+    let (but, may_be) = match at_bound {
+        true => ("its fit ends at a bound of what the effect can be, and ", "is probably"),
+        false => ("", "may be"),
+    };
     format!(
-        "; the best single candidate is {}: it would remove {:.0} % of the gap's power on held-out rows and leave {} rms, so that it may be something else",
+        "; the best single candidate is {}: {but}it would remove {:.0} % of the gap's power on held-out rows and leave {} rms, so that it {may_be} something else",
         name(&p.effect),
         percent(p.effect.explained),
         amount(p.rms_after, &p.unit)
