@@ -387,7 +387,7 @@ fn tried(o: &Outcome) -> Vec<Tried> {
             let best = l.best.as_ref();
             let formula = best.map_or("", |c| o.library[l.family].formulas[c.picks[0].1].name);
             let of_family = |b: &&belief::Belief| b.family == l.family;
-            let imitates = best.is_some_and(|c| c.imitates(&o.library, 0));
+            let doubt = best.map_or(1.0, |c| c.doubt(&o.library, 0));
             Tried {
                 effect: effect.to_owned(),
                 output: o.task.output.clone(),
@@ -396,12 +396,11 @@ fn tried(o: &Outcome) -> Vec<Tried> {
                 training: best.and_then(|c| finite(c.fit.mean_square)),
                 holdout: best.and_then(|c| finite(c.judged.held_out)),
                 screening: if l.screening.is_finite() { l.screening } else { 0.0 },
-                probability: best.map_or(1.0, |c| c.doubt(&o.library, 0))
-                    * beliefs.iter().find(of_family).map_or(0.0, |b| b.probability),
+                probability: doubt * beliefs.iter().find(of_family).map_or(0.0, |b| b.probability),
                 accepted: o.found.last.picks.iter().any(|(f, _)| *f == l.family),
                 left_out: l
                     .why
-                    .or(imitates.then_some(Why::AtBound))
+                    .or((doubt < 1.0).then_some(Why::AtBound))
                     .map(|why| why.text().to_owned()),
                 parameters: best.map(|c| parameters(o, c, 0)).unwrap_or_default(),
             }

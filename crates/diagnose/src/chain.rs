@@ -50,6 +50,11 @@ impl Parameter {
     pub(crate) fn value(&self, coordinate: f64) -> f64 {
         if self.log { coordinate.exp() } else { coordinate }
     }
+
+    /// Whether this coordinate lies between the bounds, and at neither.
+    pub(crate) fn is_inside(&self, coordinate: f64) -> bool {
+        coordinate > self.low && coordinate < self.high
+    }
 }
 
 /// How a parameter of the chain moves a parameter of a component: value + deviation·coordinate.

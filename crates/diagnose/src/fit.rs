@@ -480,8 +480,7 @@ impl<'a> Work<'a> {
         let parameters = &self.chain().parameters;
         (0..parameters.len())
             .map(|k| {
-                let (p, q) = (&parameters[k], point.theta[k]);
-                let is_inside = q > p.low && q < p.high;
+                let is_inside = parameters[k].is_inside(point.theta[k]);
                 let variance = inverse.as_ref()?[(k, k)];
                 (is_inside && seen[k] && variance.is_finite()).then(|| variance.max(0.0).sqrt())
             })

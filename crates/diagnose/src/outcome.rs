@@ -12,6 +12,7 @@
 //! | belief | what was found | the same under the noise that the effects reveal, and the verdict |
 //! | repair | what is believed | the offset and the evidence that belong to the repaired model |
 
+mod again;
 mod noise_level;
 
 use std::sync::OnceLock;
@@ -20,6 +21,8 @@ use std::sync::atomic::AtomicU64;
 use components::effects;
 use surround::Span;
 
+use self::again::drifts_alike;
+pub(crate) use self::again::without_imitations;
 use self::noise_level::{quieter, settle_noise};
 
 use crate::between::Course;
@@ -29,7 +32,6 @@ use crate::fit::Fitter;
 use crate::gap::{SecondOpinion, Verdict};
 use crate::library::{self, Family, Formula};
 use crate::noise::Shape;
-use crate::nuisance::Nuisance;
 use crate::offset::Offset;
 use crate::own_course;
 use crate::request::Request;
@@ -38,7 +40,6 @@ use crate::select::{Candidate, Found, Memo, Search, has_gap};
 use crate::setting::{setting, simulated_span};
 use crate::steps::Steps;
 use crate::task::Task;
-use crate::thresholds::base::Thresholds as BaseThresholds;
 use crate::thresholds::noise::Thresholds;
 use crate::{causal, excess_noise, offset, robust, second, shrink, start};
 
@@ -165,40 +166,6 @@ pub(crate) fn of(task: Task, request: &Request, count: &AtomicU64) -> Result<Out
     }
     let memo = Memo::default();
     Run { request, count, memo: &memo }.without_courses(outcome)
-}
-
-/// The answer without effects that others imitate: none is named whose fit ends at a bound of what it can be.
-///
-/// # Errors
-/// As [`of`].
-pub(crate) fn without_imitations(
-    mut o: Outcome,
-    request: &Request,
-    count: &AtomicU64,
-) -> Result<Outcome, Error> {
-    let last = &o.found.last;
-    if !(0..last.picks.len()).any(|slot| last.imitates(&o.library, slot)) {
-        return Ok(o);
-    }
-    o.task.ends_inside = true;
-    let otherwise = std::mem::take(&mut o.otherwise);
-    let again = Run { request, count, memo: &Memo::default() }.again(o)?;
-    Ok(Outcome { otherwise, ..again })
-}
-
-/// Whether a free course is named that is none of each record's own, and that predicts no complete record: a drift that returns
-/// with the command is no drift.
-fn drifts_alike(o: &Outcome) -> bool {
-    let has_course = o.formulas(&o.found.last).any(is_course);
-    has_course
-        && o.task.data.records.len() >= BaseThresholds::COURSE_RECORDS
-        && !o.judge.has_own_course(&o.found.last.chain)
-        && o.second.as_ref().is_some_and(|second| !second.agrees)
-}
-
-/// Whether a formula is a free course.
-fn is_course(formula: &Formula) -> bool {
-    formula.nuisance.as_ref().is_some_and(Nuisance::is_free_course)
 }
 
 /// What all stages of one diagnosis share.
@@ -329,32 +296,6 @@ impl Run<'_> {
             report::format_number(unit * all.judged.held_out.sqrt(), 4),
         ));
         (task, Base { retuned: all, ..base })
-    }
-
-    /// The answer without free courses, which explain the held-out rows and no complete record.
-    fn without_courses(&self, mut o: Outcome) -> Result<Outcome, Error> {
-        for family in &mut o.library {
-            family.formulas.retain(|f| !is_course(f));
-        }
-        o.library.retain(|f| !f.formulas.is_empty());
-        o.task.warnings.push(format!(
-            "{}: a drift would explain the held-out rows, but not a record that is left out of the fit as a whole: it is \
-             not named",
-            o.task.output
-        ));
-        self.again(o)
-    }
-
-    /// The answer that a new search gives.
-    fn again(&self, o: Outcome) -> Result<Outcome, Error> {
-        let Outcome { task, library, judge, sigma, adequate, fine, given, found, .. } = o;
-        let scale = Scale { judge, sigma, sure: adequate, adequate, fine };
-        let position = simulated_span(&found.base, &task.data, self.count);
-        let position = position.unwrap_or(task.data.output_span);
-        let base = Base { retuned: found.base, given, scale, position };
-        let searched = self.search(&task, &library, base)?;
-        let (task, believed) = self.belief(task, &library, searched);
-        Ok(self.repair(task, library, believed))
     }
 
     /// The effects that can act in these logs, and the task without the steps of the reading that the model makes.

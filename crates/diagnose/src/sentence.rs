@@ -1,7 +1,6 @@
 //! The answer in one sentence.
 
 use crate::gap::{Gap, NamedEffect, OutputGap, Shrink, Tried, Verdict};
-use crate::select::Why;
 use crate::thresholds::answer::Thresholds;
 
 /// The one effect that no model foretells.
@@ -75,7 +74,8 @@ fn partial(gap: &Gap, output: &str) -> String {
     }
     let is_own = |t: &&Tried| t.effect == p.effect.effect && t.output == output;
     let tried = gap.candidates.iter().find(is_own);
-    let at_bound = tried.is_some_and(|t| t.left_out.as_deref() == Some(Why::AtBound.text()));
+    // Of what was fitted nothing else is left out.
+    let at_bound = tried.is_some_and(|t| t.left_out.is_some());
     let (but, may_be) = match at_bound {
         true => ("its fit ends at a bound of what the effect can be, and ", "is probably"),
         false => ("", "may be"),

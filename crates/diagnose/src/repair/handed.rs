@@ -285,15 +285,11 @@ fn is_same(a: &ComponentBlueprint, b: &ComponentBlueprint) -> bool {
 
 /// The formulas of a candidate that only have terms of each record's own, and their coordinates.
 fn disturbances<'a>(o: &'a Outcome, last: &Candidate) -> (Vec<&'a Formula>, Vec<f64>) {
-    let mut first = last.chain.parameters.iter().take_while(|p| p.is_base).count();
     let (mut formulas, mut values) = (Vec::new(), Vec::new());
-    for (family, number) in &last.picks {
-        let formula = &o.library[*family].formulas[*number];
-        let range = first..first + formula.parameters.len();
-        first = range.end;
+    for (slot, formula) in o.formulas(last).enumerate() {
         if formula.nuisance.is_some() && formula.pieces.is_empty() && formula.force.is_none() {
             formulas.push(formula);
-            values.extend(&last.fit.theta[range]);
+            values.extend(&last.fit.theta[last.own(&o.library, slot)]);
         }
     }
     (formulas, values)

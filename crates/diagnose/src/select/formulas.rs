@@ -85,11 +85,9 @@ pub(crate) fn carried(
 ) -> Option<(Chain, Vec<f64>)> {
     let formula = |(family, number): &(usize, usize)| &library[*family].formulas[*number];
     let chain = base.compose(&picks.iter().map(formula).collect::<Vec<_>>());
-    let first = from.chain.parameters.iter().take_while(|p| p.is_base).count();
     let values = |pick: &(usize, usize)| {
-        let at = from.picks.iter().position(|p| p == pick)?;
-        let before: usize = from.picks[..at].iter().map(|p| formula(p).parameters.len()).sum();
-        from.fit.theta.get(first + before..)?.get(..formula(pick).parameters.len())
+        let slot = from.picks.iter().position(|p| p == pick)?;
+        from.fit.theta.get(from.own(library, slot))
     };
     let of_base = chain.parameters.iter().take_while(|p| p.is_base).map(|p| {
         let same = from.chain.parameters.iter().position(|o| o.is_base && o.name == p.name);
