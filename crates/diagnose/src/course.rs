@@ -27,7 +27,7 @@ use crate::thresholds::base::Thresholds;
 /// and the one is taken that leaves less with fewer effects. Other effects look like that, too (a lag of the model that
 /// acts faster, a crosstalk): another reading is taken if it leaves about as much with fewer effects.
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
-    outcome::without_imitations(read(task, request, count)?, request, count)
+    outcome::with_known_reading(read(task, request, count)?, request, count)
 }
 
 fn read(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {

@@ -22,7 +22,7 @@ use components::effects;
 use surround::Span;
 
 use self::again::drifts_alike;
-pub(crate) use self::again::without_imitations;
+pub(crate) use self::again::with_known_reading;
 use self::noise_level::{quieter, settle_noise};
 
 use crate::between::Course;
@@ -40,6 +40,7 @@ use crate::select::{Candidate, Found, Memo, Search, has_gap};
 use crate::setting::{setting, simulated_span};
 use crate::steps::Steps;
 use crate::task::Task;
+use crate::thresholds::belief::Thresholds as BeliefThresholds;
 use crate::thresholds::noise::Thresholds;
 use crate::{causal, excess_noise, offset, robust, second, shrink, start};
 
@@ -349,6 +350,16 @@ impl Run<'_> {
         } else {
             Verdict::Adequate
         };
+        if !found.faint.is_empty() {
+            let names = found.faint.iter().map(|(f, _)| library[*f].effect.name.replace('_', " "));
+            task.warnings.push(format!(
+                "{}: {} would explain the gap together, but it is less than {} times the noise's power: a second effect takes \
+                 what a wrong first one leaves, and several are not named",
+                task.output,
+                names.collect::<Vec<_>>().join(" and "),
+                report::format_number(BeliefThresholds::FAINT, 3)
+            ));
+        }
         (task, Believed { searched, verdict, has_gap })
     }
 
@@ -408,7 +419,7 @@ impl Run<'_> {
             fine: 0.0,
             count: self.count,
             max_effects: 0,
-            ends_inside: false,
+            reading_is_known: false,
             memo: self.memo,
         };
         search.retune().map_err(|_| cannot_run(task))
@@ -457,7 +468,7 @@ impl Run<'_> {
             fine: scale.fine,
             count: self.count,
             max_effects: task.max_effects,
-            ends_inside: task.ends_inside,
+            reading_is_known: task.reading_is_known,
             memo: self.memo,
         }
     }

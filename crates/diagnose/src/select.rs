@@ -22,6 +22,7 @@ use crate::fit::{Fit, Fitter, Linear};
 use crate::library::{Family, Formula, Slot, gain};
 use crate::score::{Judge, Judged};
 use crate::spectrum;
+use crate::thresholds::belief;
 use crate::thresholds::search::Thresholds;
 
 /// A family that was looked at in a round.
@@ -74,14 +75,16 @@ pub(crate) struct Found {
     pub(crate) alone: Vec<f64>,
     /// The effects of `last` with the best further one, which is not named.
     pub(crate) beyond: Option<Candidate>,
+    /// Several effects that explain a faint gap together, which are not named.
+    pub(crate) faint: Vec<(usize, usize)>,
 }
 
 impl Found {
     /// Where nothing is looked for.
     pub(crate) fn nothing(base: Candidate) -> Self {
         let last = base.clone();
-        let (rivals, first, alone) = (Vec::new(), Vec::new(), Vec::new());
-        Self { base, last, rivals, first, alone, beyond: None }
+        let (rivals, first, alone, faint) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { base, last, rivals, first, alone, beyond: None, faint }
     }
 
     /// Changes all candidates that were fitted.
@@ -107,8 +110,8 @@ pub(crate) struct Search<'a> {
     pub(crate) fine: f64,
     pub(crate) count: &'a AtomicU64,
     pub(crate) max_effects: usize,
-    /// Whether no effect is named that imitates another.
-    pub(crate) ends_inside: bool,
+    /// Whether how the logs are read is known: no effect is named then that imitates another, and not several in a faint gap.
+    pub(crate) reading_is_known: bool,
     /// What was made already.
     pub(crate) memo: &'a Memo,
 }
@@ -464,6 +467,11 @@ pub(crate) fn has_gap(candidate: &Candidate, adequate: f64) -> bool {
     let of_record = 1.0 + Thresholds::RECORD_ALONE * (adequate - 1.0);
     let is_shown_by_one = candidate.picks.is_empty() && records.iter().any(|r| *r > of_record);
     held_out.max(*training) > adequate || is_shown_by_one
+}
+
+/// Whether the gap is so small over the noise that a second effect cannot be told from what the formula of a first one leaves.
+pub(crate) fn is_faint(base: &Candidate) -> bool {
+    base.judged.held_out.max(base.judged.training) < belief::Thresholds::FAINT
 }
 
 /// Fitted families by rank, then the others by what they promised.

@@ -26,7 +26,7 @@ pub(crate) fn stand_in(
         fine: o.fine,
         count: &count,
         max_effects: 0,
-        ends_inside: false,
+        reading_is_known: false,
         memo: &memo,
     };
     let mut last = o.found.last.clone();

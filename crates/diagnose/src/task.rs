@@ -51,9 +51,9 @@ pub(crate) struct Task {
     pub(crate) course: Course,
     /// Most effects that are looked for.
     pub(crate) max_effects: usize,
-    /// Whether no effect is named that imitates another. How the logs are read is found without that: what is imitated
-    /// points to it.
-    pub(crate) ends_inside: bool,
+    /// Whether how the logs are read is known: no effect is named then that imitates another, and not several in a faint gap.
+    /// Before, such names point to a wrong reading.
+    pub(crate) reading_is_known: bool,
     /// The axes with which it is coupled, where it is a motion.
     pub(crate) coupled: Option<Arc<Coupled>>,
 }
@@ -381,7 +381,7 @@ pub(crate) fn assemble(
         warnings,
         course,
         max_effects: request.max_effects,
-        ends_inside: false,
+        reading_is_known: false,
         coupled: None,
     })
 }

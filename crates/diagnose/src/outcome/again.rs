@@ -7,24 +7,26 @@ use crate::error::Error;
 use crate::library::Formula;
 use crate::nuisance::Nuisance;
 use crate::request::Request;
-use crate::select::Memo;
+use crate::select::{Memo, is_faint};
 use crate::setting::simulated_span;
 use crate::thresholds::base::Thresholds as BaseThresholds;
 
-/// The answer without effects that others imitate: none is named whose fit ends at a bound of what it can be.
+/// The answer once how the logs are read is known: no effect is named whose fit ends at a bound of what it can be, as it imitates
+/// another, and not several in a faint gap.
 ///
 /// # Errors
 /// As [`super::of`].
-pub(crate) fn without_imitations(
+pub(crate) fn with_known_reading(
     mut o: Outcome,
     request: &Request,
     count: &AtomicU64,
 ) -> Result<Outcome, Error> {
     let last = &o.found.last;
-    if !(0..last.picks.len()).any(|slot| last.imitates(&o.library, slot)) {
+    let are_several = last.picks.len() > 1 && is_faint(&o.found.base);
+    if !are_several && !(0..last.picks.len()).any(|slot| last.imitates(&o.library, slot)) {
         return Ok(o);
     }
-    o.task.ends_inside = true;
+    o.task.reading_is_known = true;
     let otherwise = std::mem::take(&mut o.otherwise);
     let again = Run { request, count, memo: &Memo::default() }.again(o)?;
     Ok(Outcome { otherwise, ..again })

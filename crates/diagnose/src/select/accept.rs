@@ -1,12 +1,12 @@
 //! Which effects are believed: forward search, backward elimination, rivals of each slot.
 
-use super::{Candidate, Found, Looked, Search, has_gap, rank};
-use crate::belief::{self, Sight};
-use crate::causal;
 use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::{Candidate, Found, Looked, Search, has_gap, is_faint, rank};
+use crate::belief::{self, Sight};
+use crate::causal;
 use crate::chain::Failed;
 use crate::fit::Fitter;
 use crate::score::{explained, mean_square};
@@ -59,15 +59,19 @@ impl Search<'_> {
         if best.picks.len() > 1 {
             best = self.reconsider(best, &mut rivals);
         }
-        let has_several = best.picks.len() > 1;
+        let has_several = best.picks.len() > 1 && !is_last_resort;
         best = self.eliminate(&base, best, &mut rivals);
-        // What was no answer alone is none because a pair was tried.
+        // A pair that was tried makes no answer of what was none alone.
         if is_last_resort && best.picks.len() == 1 {
             best = base.clone();
         }
         let last = self.believed(&base, best, &mut rivals);
         let (mut last, mut alone) = self.likely(&base, last, &mut rivals);
-        if last.picks.is_empty() && has_several && !is_last_resort {
+        let mut faint = Vec::new();
+        if self.reading_is_known && last.picks.len() > 1 && is_faint(&base) {
+            (faint, last, alone) = (last.picks, base.clone(), Vec::new());
+        }
+        if last.picks.is_empty() && has_several {
             (last, alone) = self.first_alone(&base, &first, &mut rivals);
         }
         if let ([_], [looked]) = (&last.picks[..], &mut rivals[..]) {
@@ -78,8 +82,7 @@ impl Search<'_> {
                 && next.picks.len() == last.picks.len() + 1
                 && last.picks.iter().all(|pick| next.picks.contains(pick))
         };
-        let beyond = beyond.filter(goes_on);
-        Ok(Found { base, last, rivals, first, alone, beyond })
+        Ok(Found { beyond: beyond.filter(goes_on), base, last, rivals, first, alone, faint })
     }
 
     /// Whether rivals that fit the fitted rows as well as `own`, and are excluded by the held-out rows alone, are excluded by
@@ -258,7 +261,7 @@ impl Search<'_> {
             best = self.most_probable(&sight, rivals, best);
             let trust = |slot: usize| {
                 let family = best.picks[slot].0;
-                if self.ends_inside && best.imitates(self.library, slot) {
+                if self.reading_is_known && best.imitates(self.library, slot) {
                     return 0.0;
                 }
                 if best.picks.len() > 1 {
@@ -478,9 +481,8 @@ impl Search<'_> {
             };
             let loss = self.judge.score(&base.judged, &best.judged)
                 - self.judge.score(&base.judged, &less.judged);
-            let linear =
-                explained(&base.judged, &best.judged) - explained(&base.judged, &less.judged);
-            if loss < Thresholds::DROPPED && linear < Thresholds::DROPPED {
+            let power = |c: &Candidate| explained(&base.judged, &c.judged);
+            if loss < Thresholds::DROPPED && power(&best) - power(&less) < Thresholds::DROPPED {
                 best = less;
                 rivals.remove(slot);
                 slot = 0;

@@ -143,7 +143,7 @@ impl Synthetic {
             fine: 0.0,
             count: &self.count,
             max_effects: self.max_effects,
-            ends_inside: true,
+            reading_is_known: true,
             memo: Box::leak(Box::default()),
         }
     }

@@ -376,6 +376,7 @@ fn a_change_reaches_every_candidate_that_was_fitted() {
         first: vec![none(), entry(5.0)],
         alone: Vec::new(),
         beyond: Some(Candidate { rank: 6.0, ..fitted.clone() }),
+        faint: Vec::new(),
     };
     let mut seen = Vec::new();
     found.each(|c| {

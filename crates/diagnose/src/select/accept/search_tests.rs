@@ -121,7 +121,7 @@ fn what_ends_at_a_bound_of_an_effect_is_not_named() {
         let best = found.first[0].best.as_ref().unwrap();
         assert_eq!(best.imitates(&synthetic.library, 0), at_bound);
         // While it is found how the logs are read, it points to that.
-        let search = Search { ends_inside: false, ..synthetic.search() };
+        let search = Search { reading_is_known: false, ..synthetic.search() };
         assert_eq!(names(&search.run(synthetic.retuned()).unwrap().last), [0]);
     }
     let mut synthetic = weight(4.8);
@@ -500,4 +500,17 @@ fn a_member_whose_name_is_unsure_is_left_out_and_the_rest_named() {
     assert_eq!(found.rivals.len(), 1);
     assert_eq!(listed(&found.rivals[0])[0], 1);
     close(found.alone[0], 1024.0 / 1060.0, 0.01);
+}
+
+#[test]
+fn in_a_faint_gap_several_effects_are_not_named() {
+    let columns: [&[(usize, f64)]; 2] = [&[(3, 1.0)], &[(5, 1.0)]];
+    let named = |first: f64, second: f64| {
+        let synthetic = Synthetic::new(&[(3, first), (5, second)], &columns);
+        let found = synthetic.search().run(synthetic.retuned()).unwrap();
+        (found.last.picks.len(), found.faint.len())
+    };
+    // 25 powers of the noise, and 8.
+    assert_eq!(named(4.0, 3.0), (2, 0));
+    assert_eq!(named(2.0, 2.0), (0, 2));
 }
