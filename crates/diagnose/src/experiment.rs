@@ -168,9 +168,12 @@ fn gains(
         Some(misfit(&data, &left, (&right, b))?.min(misfit(&data, &right, (&left, a))?))
     };
     let gains = rivals.iter().map(gain).collect::<Option<Vec<f64>>>()?;
-    // The gap itself must not vanish among rows that do not show it.
-    let base = &o.found.base;
-    Some((gains, misfit(&data, &left, (&played(base)?, base))?))
+    // The gap itself must not vanish among rows that do not show it, whichever name is the true one.
+    let base = (&played(&o.found.base)?, &o.found.base);
+    let shown = |left: &Linear| misfit(&data, left, base);
+    let of_rival = |(_, b): &(usize, &Candidate)| shown(&played(b)?);
+    let all = rivals.iter().map(of_rival).collect::<Option<Vec<f64>>>()?;
+    Some((gains, all.into_iter().fold(shown(&left)?, f64::min)))
 }
 
 /// Expected misfit of the rival `b`, played as `right`, on a record that another makes, played as `left`, with b's

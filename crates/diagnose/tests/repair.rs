@@ -54,13 +54,15 @@ fn the_answer_speaks_of_the_blueprint_that_is_handed_back_and_its_component_take
     }
 }
 
-/// No component holds two forces: the one that is written stays, and the other is told.
+/// Both are named. No component holds two forces: the one that is written stays, and the other is told.
 #[test]
-fn a_second_force_on_a_mode_is_told_and_does_not_replace_the_first() {
+fn of_two_forces_on_a_mode_both_are_named_and_one_is_written() {
     let machine = Machine::new(42, 1.0).with(Effect::Friction, 15.0).with(Effect::Duffing, 15.0);
     let mut first = examine(&request(&machine), &mut Silent).unwrap();
     let names: Vec<String> = first.gap.effects.iter().map(|e| e.effect.clone()).collect();
-    assert_eq!(names.len(), 2, "{}", first.gap.sentence);
+    assert!(names.contains(&"duffing".to_owned()), "{}", first.gap.sentence);
+    assert!(names.len() == 2 && names.contains(&"friction".to_owned()), "{names:?}");
+    assert!(first.gap.shrink.fraction > Some(0.95), "{:?}", first.gap.shrink);
     let (repaired, notes) = first.repair(blueprint().blueprint());
     let is_told = |name: &&String| notes.iter().any(|note| note.starts_with(&format!("{name} (")));
     let described: Vec<_> = names.iter().filter(is_told).collect();
