@@ -18,6 +18,7 @@ use crate::gap::Verdict;
 use crate::outcome::{self, Outcome};
 use crate::request::Request;
 use crate::select::{Candidate, has_gap};
+use crate::sentence::together;
 use crate::task::Task;
 use crate::thresholds::base::Thresholds;
 
@@ -121,10 +122,9 @@ impl Readings<'_> {
                         gone.remove(at);
                     }
                 }
-                let gone: Vec<String> = gone.iter().map(|n| n.replace('_', " ")).collect();
                 Some(read_as(match had_lag {
                     true => "a lag of the model would have to act faster".to_owned(),
-                    false => format!("{} would be missing", gone.join(" and ")),
+                    false => format!("{} would be missing", together(gone)),
                 }))
             }
             None => Some(read_as(format!(

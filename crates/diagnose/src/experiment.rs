@@ -162,18 +162,15 @@ fn gains(
     let fitter = Fitter { data: &data, sigma: o.sigma, count: &count, weights: None };
     let played = |of: &Candidate| fitter.linearise(&of.chain.over(&data), &of.fit.theta).ok();
     let left = played(a)?;
-    // Whichever of two is true, the other must be off.
-    let gain = |(_, b): &(usize, &Candidate)| {
-        let right = played(b)?;
-        Some(misfit(&data, &left, (&right, b))?.min(misfit(&data, &right, (&left, a))?))
-    };
-    let gains = rivals.iter().map(gain).collect::<Option<Vec<f64>>>()?;
-    // The gap itself must not vanish among rows that do not show it, whichever name is the true one.
     let base = (&played(&o.found.base)?, &o.found.base);
-    let shown = |left: &Linear| misfit(&data, left, base);
-    let of_rival = |(_, b): &(usize, &Candidate)| shown(&played(b)?);
-    let all = rivals.iter().map(of_rival).collect::<Option<Vec<f64>>>()?;
-    Some((gains, all.into_iter().fold(shown(&left)?, f64::min)))
+    // Whichever of two is true, the other must be off, and the gap itself must not vanish among rows that do not show it.
+    let (mut gains, mut gap) = (Vec::with_capacity(rivals.len()), misfit(&data, &left, base)?);
+    for (_, b) in rivals {
+        let right = played(b)?;
+        gains.push(misfit(&data, &left, (&right, b))?.min(misfit(&data, &right, (&left, a))?));
+        gap = gap.min(misfit(&data, &right, base)?);
+    }
+    Some((gains, gap))
 }
 
 /// Expected misfit of the rival `b`, played as `right`, on a record that another makes, played as `left`, with b's

@@ -37,6 +37,7 @@ use crate::own_course;
 use crate::request::Request;
 use crate::score::{Judge, Judged};
 use crate::select::{Candidate, Found, Memo, Search, has_gap};
+use crate::sentence::together;
 use crate::setting::{setting, simulated_span};
 use crate::steps::Steps;
 use crate::task::Task;
@@ -351,12 +352,12 @@ impl Run<'_> {
             Verdict::Adequate
         };
         if !found.faint.is_empty() {
-            let names = found.faint.iter().map(|(f, _)| library[*f].effect.name.replace('_', " "));
+            let names = found.faint.iter().map(|(family, _)| library[*family].effect.name);
             task.warnings.push(format!(
                 "{}: {} would explain the gap together, but it is less than {} times the noise's power: a second effect takes \
                  what a wrong first one leaves, and several are not named",
                 task.output,
-                names.collect::<Vec<_>>().join(" and "),
+                together(names),
                 report::format_number(BeliefThresholds::FAINT, 3)
             ));
         }

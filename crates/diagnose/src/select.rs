@@ -469,9 +469,11 @@ pub(crate) fn has_gap(candidate: &Candidate, adequate: f64) -> bool {
     held_out.max(*training) > adequate || is_shown_by_one
 }
 
-/// Whether the gap is so small over the noise that a second effect cannot be told from what the formula of a first one leaves.
-pub(crate) fn is_faint(base: &Candidate) -> bool {
-    base.judged.held_out.max(base.judged.training) < belief::Thresholds::FAINT
+/// Whether there are several effects in a gap that is so small over the noise that a second one cannot be told from what
+/// the formula of a first one leaves.
+pub(crate) fn are_several_in_faint_gap(base: &Candidate, with: &Candidate) -> bool {
+    let gap = base.judged.held_out.max(base.judged.training);
+    with.picks.len() > 1 && gap < belief::Thresholds::FAINT
 }
 
 /// Fitted families by rank, then the others by what they promised.

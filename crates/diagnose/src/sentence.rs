@@ -175,6 +175,11 @@ fn listed(effects: &[&NamedEffect]) -> String {
     }
 }
 
+/// Names of effects in words, one and the other.
+pub(crate) fn together<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
+    names.into_iter().map(|n| n.replace('_', " ")).collect::<Vec<_>>().join(" and ")
+}
+
 fn name(e: &NamedEffect) -> String {
     let what = if e.set.len() > 1 {
         e.set.iter().map(|n| n.replace('_', " ")).collect::<Vec<_>>().join(" or ")

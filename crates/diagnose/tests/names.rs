@@ -167,17 +167,21 @@ fn an_effect_that_was_taken_out_is_not_given_another_name() {
     assert!(gap.candidates.iter().all(|c| c.effect != "creep"));
 }
 
-/// A mode so damped that it is none imitates a crosstalk.
+/// A mode so damped that it is none imitates a crosstalk and another damping.
 #[test]
 fn what_ends_at_a_bound_of_an_effect_imitates_it() {
-    let gap = gap_of(Effect::Crosstalk, 20.0, 62, &["crosstalk"]);
-    assert_eq!(gap.verdict, Verdict::Unknown, "{}", gap.sentence);
-    let best = &gap.partial[0].effect;
-    assert!(best.effect == "extra_mode" && best.explained > 0.8, "{best:?}");
-    assert!(best.probability <= 0.05, "{}", best.probability);
-    assert!(gap.sentence.contains("its fit ends at a bound"), "{}", gap.sentence);
-    let tried = gap.candidates.iter().find(|c| c.effect == "extra_mode").unwrap();
-    assert!(tried.left_out.as_ref().unwrap().contains("ends at a bound"), "{tried:?}");
+    for (effect, own, seed) in
+        [(Effect::Crosstalk, "crosstalk", 62), (Effect::Damping, "damping", 60)]
+    {
+        let gap = gap_of(effect, 20.0, seed, &[own]);
+        assert_eq!(gap.verdict, Verdict::Unknown, "seed {seed}: {}", gap.sentence);
+        let best = &gap.partial[0].effect;
+        assert!(best.effect == "extra_mode" && best.explained > 0.8, "seed {seed}: {best:?}");
+        assert!(best.probability <= 0.05, "seed {seed}: {}", best.probability);
+        assert!(gap.sentence.contains("its fit ends at a bound"), "{}", gap.sentence);
+        let tried = gap.candidates.iter().find(|c| c.effect == "extra_mode").unwrap();
+        assert!(tried.left_out.as_ref().unwrap().contains("ends at a bound"), "{tried:?}");
+    }
 }
 
 /// A spring may change the gain, and a memory may imitate a clearance: nothing else of them is there.

@@ -14,6 +14,7 @@ use crate::gap::Verdict;
 use crate::outcome::{self, Outcome};
 use crate::path_block::RecordBlock;
 use crate::select::{Candidate, has_gap};
+use crate::sentence::together;
 use crate::task::Task;
 use crate::thresholds::base::Thresholds;
 
@@ -181,13 +182,10 @@ impl Within {
         let ratio = (other.left() / outcome.left()).sqrt();
         let instead = match names(other).as_slice() {
             [] => format!("the best answer would leave {ratio:.2} times as much"),
-            all => {
-                let all: Vec<String> = all.iter().map(|name| name.replace('_', " ")).collect();
-                format!(
-                    "the best answer, {}, would leave {ratio:.2} times as much",
-                    all.join(" and ")
-                )
-            }
+            all => format!(
+                "the best answer, {}, would leave {ratio:.2} times as much",
+                together(all.iter().copied())
+            ),
         };
         let warning = match outcome.found.last.late() {
             Some(late) => format!(

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::library::Formula;
 use crate::nuisance::Nuisance;
 use crate::request::Request;
-use crate::select::{Memo, is_faint};
+use crate::select::{Memo, are_several_in_faint_gap};
 use crate::setting::simulated_span;
 use crate::thresholds::base::Thresholds as BaseThresholds;
 
@@ -22,7 +22,7 @@ pub(crate) fn with_known_reading(
     count: &AtomicU64,
 ) -> Result<Outcome, Error> {
     let last = &o.found.last;
-    let are_several = last.picks.len() > 1 && is_faint(&o.found.base);
+    let are_several = are_several_in_faint_gap(&o.found.base, last);
     if !are_several && !(0..last.picks.len()).any(|slot| last.imitates(&o.library, slot)) {
         return Ok(o);
     }

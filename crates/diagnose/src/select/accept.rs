@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::{Candidate, Found, Looked, Search, has_gap, is_faint, rank};
+use super::{Candidate, Found, Looked, Search, are_several_in_faint_gap, has_gap, rank};
 use crate::belief::{self, Sight};
 use crate::causal;
 use crate::chain::Failed;
@@ -68,7 +68,7 @@ impl Search<'_> {
         let last = self.believed(&base, best, &mut rivals);
         let (mut last, mut alone) = self.likely(&base, last, &mut rivals);
         let mut faint = Vec::new();
-        if self.reading_is_known && last.picks.len() > 1 && is_faint(&base) {
+        if self.reading_is_known && are_several_in_faint_gap(&base, &last) {
             (faint, last, alone) = (last.picks, base.clone(), Vec::new());
         }
         if last.picks.is_empty() && has_several {
@@ -317,9 +317,9 @@ impl Search<'_> {
         let is_of_group =
             |(family, _): &(usize, usize)| self.library[*family].effect.group.is_some();
         // The right formula leaves little more than the noise of a faint gap. Within a group the formulas are alike.
-        let is_faint =
+        let leaves_little =
             base.judged.held_out < Thresholds::FAINT && !best.picks.iter().any(is_of_group);
-        let least = if (has_own && best.picks.len() == 1) || is_faint {
+        let least = if (has_own && best.picks.len() == 1) || leaves_little {
             Thresholds::POWER_OF_OWN
         } else {
             Thresholds::POWER
