@@ -385,7 +385,7 @@ fn tried(o: &Outcome) -> Vec<Tried> {
         .map(|l| {
             let effect = o.library[l.family].effect.name;
             let best = l.best.as_ref();
-            let formula = best.map_or("", |c| o.library[l.family].formulas[c.picks[0].1].name);
+            let formula = best.map_or("", |c| &*o.library[l.family].formulas[c.picks[0].1].name);
             let of_family = |b: &&belief::Belief| b.family == l.family;
             let doubt = best.map_or(1.0, |c| c.doubt(&o.library, 0));
             Tried {

@@ -7,6 +7,8 @@ mod sensor;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
+
 pub(crate) use actuator::gain;
 use components::effects;
 use model::{Effect, Stage};
@@ -129,7 +131,7 @@ impl Free {
 /// One way in which an effect may act.
 #[derive(Clone, Debug)]
 pub(crate) struct Formula {
-    pub(crate) name: &'static str,
+    pub(crate) name: Cow<'static, str>,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) parameters: Vec<Free>,
     /// Values to start from.
@@ -154,12 +156,14 @@ pub(crate) struct Formula {
     pub(crate) is_stand_in: bool,
     /// Whether the bounds of its parameters are those of the effect: a fit that ends at one imitates another effect.
     pub(crate) ends_inside: bool,
+    /// Whether it is what another formula is, unless there is a further effect.
+    pub(crate) is_beside_others: bool,
 }
 
 impl Formula {
     pub(crate) fn new(name: &'static str) -> Self {
         Self {
-            name,
+            name: name.into(),
             pieces: Vec::new(),
             parameters: Vec::new(),
             starts: Vec::new(),
@@ -173,6 +177,7 @@ impl Formula {
             joint_mode: None,
             is_stand_in: false,
             ends_inside: false,
+            is_beside_others: false,
         }
     }
 
@@ -256,6 +261,12 @@ impl Formula {
     /// As one whose fit must end inside the bounds of its parameters.
     pub(crate) fn inside(mut self) -> Self {
         self.ends_inside = true;
+        self
+    }
+
+    /// As a formula that differs from another one only beside a further effect.
+    pub(crate) fn beside_others(mut self) -> Self {
+        self.is_beside_others = true;
         self
     }
 

@@ -5,6 +5,8 @@ mod away;
 mod candidate;
 mod formulas;
 mod memo;
+mod naming;
+mod refine;
 
 use std::sync::atomic::AtomicU64;
 
@@ -190,7 +192,11 @@ impl<'a> Search<'a> {
         let jobs: Vec<(usize, usize)> = (0..self.library.len())
             .filter(|family| from.picks.iter().all(|(f, _)| f != family))
             .flat_map(|family| (0..self.library[family].formulas.len()).map(move |k| (family, k)))
-            .filter(|(family, k)| !self.library[*family].formulas[*k].is_stand_in)
+            .filter(|(family, k)| {
+                let formula = &self.library[*family].formulas[*k];
+                let says_nothing = formula.is_beside_others && from.picks.is_empty();
+                !formula.is_stand_in && !says_nothing
+            })
             .collect();
         let peaks = self.peaks(from);
         // One by one, here and below: some take many times as long as others.
@@ -248,6 +254,7 @@ impl<'a> Search<'a> {
                 why: Some(Why::Screened),
             })
             .collect();
+        let mut others = Vec::new();
         for (k, candidate) in to_fit.iter().zip(fitted) {
             let Some(entry) = looked.iter_mut().find(|l| l.family == jobs[*k].0) else { continue };
             let Some(candidate) = candidate else {
@@ -255,7 +262,10 @@ impl<'a> Search<'a> {
                 continue;
             };
             if entry.best.as_ref().is_none_or(|b| candidate.rank < b.rank) {
-                (entry.best, entry.why) = (Some(candidate), None);
+                others.extend(entry.best.replace(candidate));
+                entry.why = None;
+            } else {
+                others.push(candidate);
             }
         }
         // A model that is cut at a tap has no place for a gain of the reading.
@@ -271,24 +281,9 @@ impl<'a> Search<'a> {
         let best = looked.iter().find_map(|l| l.best.as_ref());
         let known = (&linear, best.map_or(f64::INFINITY, |best| best.fit.mean_square));
         let nearest = looked.par_iter_mut().take(Thresholds::FAMILIES_REFINED).with_max_len(1);
-        nearest.for_each(|entry| self.refine(entry, known));
+        nearest.for_each(|entry| self.refine_with_plainer(entry, &others, known));
         sort(&mut looked);
         Ok(looked)
-    }
-
-    /// Fits the best formula of a family again, with sensitivities of its own; with those that are known and the mean
-    /// square that the best family leaves.
-    fn refine(&self, entry: &mut Looked, known: (&Linear, f64)) {
-        let Some(best) = &entry.best else { return };
-        let refined = self
-            .fitter()
-            .fit_from(&best.chain, &best.fit.theta, known)
-            .and_then(|fit| self.candidate(best.picks.clone(), best.chain.clone(), fit));
-        if let Ok(refined) = refined
-            && refined.rank < best.rank
-        {
-            entry.best = Some(refined);
-        }
     }
 
     /// Drops a family whose formula is no better than what it becomes without the effect, or than

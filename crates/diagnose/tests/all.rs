@@ -10,6 +10,7 @@ mod experiment;
 mod hardening;
 mod interval;
 mod names;
+mod place;
 mod real_data;
 mod repair;
 mod same_model;

@@ -14,9 +14,28 @@ pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     all.push(delay(s));
     all.push(clock(s));
     all.push(Family::new(&effects::DAC_QUANTISATION, quantiser(s)));
-    all.push(Family::new(&effects::AMPLIFIER_BANDWIDTH, lags(s, Slot::Amplifier)));
-    all.push(Family::new(&effects::AMPLIFIER_SLEW, slew(s)));
-    all.push(Family::new(&effects::AMPLIFIER_SATURATION, saturation(s)));
+    let (lags, slews, limits) = (lags(s, Slot::Amplifier), slew(s), saturation(s));
+    // Where all is linear, order says nothing.
+    let beside = at_the_output(s, &lags).into_iter().map(Formula::beside_others).collect();
+    let (of_slews, of_limits) = (at_the_output(s, &slews), at_the_output(s, &limits));
+    all.push(Family::new(&effects::AMPLIFIER_BANDWIDTH, [lags, beside].concat()));
+    all.push(Family::new(&effects::AMPLIFIER_SLEW, [slews, of_slews].concat()));
+    all.push(Family::new(&effects::AMPLIFIER_SATURATION, [limits, of_limits].concat()));
+}
+
+/// What an amplifier does to its command as something that it does to its output: right before the actuator, where the
+/// model has a lag or the like of the amplifier in between.
+fn at_the_output(s: &Setting<'_>, formulas: &[Formula]) -> Vec<Formula> {
+    let place = |slot| s.base.slots.get(&slot);
+    if place(Slot::Amplifier) == place(Slot::BeforeActuator) {
+        return Vec::new();
+    }
+    let mut all: Vec<Formula> = formulas.iter().filter(|f| !f.is_stand_in).cloned().collect();
+    for formula in &mut all {
+        formula.name = format!("{}, right before the actuator", formula.name).into();
+        formula.pieces.iter_mut().for_each(|piece| piece.slot = Slot::BeforeActuator);
+    }
+    all
 }
 
 fn delay(s: &Setting<'_>) -> Family {
@@ -61,7 +80,7 @@ fn clock(s: &Setting<'_>) -> Family {
 
 /// As `clock`, with instants that swing about it, where some frequency is seen in the residual.
 fn swinging(formula: &Formula, name: &'static str, s: &Setting<'_>) -> Option<Formula> {
-    let mut all = Formula { name, ..formula.clone() };
+    let mut all = Formula { name: name.into(), ..formula.clone() };
     all.starts.clear();
     for start in &formula.starts {
         all.starts.extend(s.swings.iter().map(|f| [&start[..], &[*f]].concat()));

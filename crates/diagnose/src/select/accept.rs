@@ -349,33 +349,8 @@ impl Search<'_> {
             && after.held_out <= before.held_out
     }
 
-    /// A single effect gives way to the more probable of its rivals: of those that leave alike the one
-    /// with fewer coefficients.
-    fn most_probable(
-        &self,
-        sight: &Sight<'_>,
-        rivals: &[Vec<Looked>],
-        best: Candidate,
-    ) -> Candidate {
-        let (&[(family, _)], [looked]) = (&best.picks[..], rivals) else { return best };
-        let first = belief::beliefs(sight, looked, &best).first().map(|b| b.family);
-        let rival = looked.iter().find(|l| first.is_some_and(|f| f != family && f == l.family));
-        // Rivals that were looked at beside an effect which was dropped since still have it.
-        let alone = rival.and_then(|l| l.best.clone()).filter(|rival| rival.picks.len() == 1);
-        alone.unwrap_or(best)
-    }
-
-    /// Names the most probable one once the noise is known better.
-    pub(crate) fn name_again(&self, found: &mut Found) {
-        let last = found.last.clone();
-        found.last = self.most_probable(&self.sight(&found.base), &found.rivals, last);
-        if let [alone] = &mut found.alone[..] {
-            *alone = explained(&found.base.judged, &found.last.judged).max(0.0);
-        }
-    }
-
     /// What beliefs are formed from.
-    fn sight(&self, base: &Candidate) -> Sight<'_> {
+    pub(super) fn sight(&self, base: &Candidate) -> Sight<'_> {
         Sight::new(self.library, base, self.adequate, self.fine)
     }
 
@@ -452,7 +427,7 @@ impl Search<'_> {
     }
 
     /// What goes with each effect, given the others.
-    fn alone(&self, base: &Candidate, last: &Candidate) -> Vec<f64> {
+    pub(super) fn alone(&self, base: &Candidate, last: &Candidate) -> Vec<f64> {
         let complete = explained(&base.judged, &last.judged);
         let part = |slot: usize| {
             if last.picks.len() == 1 {

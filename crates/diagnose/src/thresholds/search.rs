@@ -102,6 +102,8 @@ impl Thresholds {
     pub(crate) const FAMILIES_FITTED_BESIDE: usize = 5;
     /// Families whose best formula is fitted thoroughly.
     pub(crate) const FAMILIES_REFINED: usize = 4;
+    /// Ranks by which a formula with fewer coefficients may be behind after a quick fit and still be fitted to the end.
+    pub(crate) const PLAINER: f64 = 30.0;
     /// Most free numbers of a model that is fitted thoroughly while effects are still compared: each takes a
     /// simulation for every step of the fit.
     pub(crate) const MOST_FITTED_ANEW: usize = 24;

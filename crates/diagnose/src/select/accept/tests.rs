@@ -5,6 +5,7 @@ use crate::library::{Formula, Free};
 use crate::noise::Shape;
 use crate::nuisance::Nuisance;
 use crate::score::Judge;
+use crate::select::refine::plainer;
 use crate::select::synthetic::Synthetic;
 
 /// Two families, and the second one with a line in the spectrum as its second formula. No rows are held
@@ -323,15 +324,59 @@ fn of_single_effects_that_leave_alike_the_one_with_fewer_coefficients_is_named()
     let sight = search.sight(&base);
     let looked = alike(&figures, &[(0, -100.0, 9), (2, -98.0, 4), (1, -99.0, 1)]);
     let own = looked[0].best.clone().unwrap();
-    let named = search.most_probable(&sight, std::slice::from_ref(&looked), own.clone());
+    let mut rivals = vec![looked];
+    let named = search.most_probable(&sight, &mut rivals, own.clone());
     assert_eq!(named.picks, [(1, 0)]);
     assert_eq!(named.rank, -99.0);
-    let again = search.most_probable(&sight, std::slice::from_ref(&looked), named);
+    let again = search.most_probable(&sight, &mut rivals, named);
     assert_eq!(again.rank, -99.0, "itself, where it is the most probable");
-    // What stands beside others was chosen with them.
+}
+
+#[test]
+fn an_effect_beside_others_gives_way_to_what_is_more_probable_beside_the_same() {
+    let figures = Figures::new();
+    let (search, base) = (figures.synthetic.search(), figures.base());
+    let sight = search.sight(&base);
+    // The effects 0 and 1; in place of 0 there is 2, with fewer coefficients.
     let pair = figures.set(2, 0.99, 0.99);
-    let kept = search.most_probable(&sight, &[looked.clone(), looked], pair);
-    assert_eq!(kept.picks, [(0, 0), (1, 0)]);
+    let beside = |with: (usize, usize)| {
+        let mut all = alike(&figures, &[(0, -100.0, 9), (2, -99.0, 1)]);
+        for candidate in all.iter_mut().filter_map(|l| l.best.as_mut()) {
+            candidate.picks.insert(0, with);
+        }
+        all
+    };
+    let first = alike(&figures, &[(1, -100.0, 1)]);
+    let mut rivals = vec![beside((1, 0)), first.clone()];
+    let named = search.most_probable(&sight, &mut rivals, pair.clone());
+    assert_eq!(named.picks, [(1, 0), (2, 0)]);
+    let families = |looked: &[Looked]| looked.iter().map(|l| l.family).collect::<Vec<_>>();
+    assert_eq!(families(&rivals[1]), [0, 2], "the list goes with its effect");
+    // Rivals beside another formula of the second are no answer.
+    let mut rivals = vec![beside((1, 1)), first];
+    assert_eq!(search.most_probable(&sight, &mut rivals, pair).picks, [(0, 0), (1, 0)]);
+}
+
+#[test]
+fn of_the_formulas_of_a_family_the_best_plainer_one_that_is_little_behind_is_fitted_to_its_end() {
+    let figures = Figures::new();
+    let entries = alike(
+        &figures,
+        &[
+            (3, -100.0, 5),
+            (3, -80.0, 5),
+            (3, -75.0, 4),
+            (3, -90.0, 3),
+            (3, -69.0, 1),
+            (4, -99.0, 1),
+        ],
+    );
+    let others: Vec<Candidate> = entries.iter().filter_map(|entry| entry.best.clone()).collect();
+    let found = plainer(&entries[0], &others[1..]).map(|c| (c.rank, c.freedom));
+    assert_eq!(found, Some((-90.0, 3)));
+    assert!(plainer(&entries[4], &others).is_none(), "it is the plainest");
+    let far = alike(&figures, &[(3, -100.1, 5), (3, -70.0, 1)]);
+    assert!(plainer(&far[0], &[far[1].best.clone().unwrap()]).is_none(), "too far behind");
 }
 
 #[test]

@@ -1,0 +1,45 @@
+//! Which of the rivals of each effect is named.
+
+use super::{Candidate, Found, Looked, Search};
+use crate::belief::{self, Sight};
+
+impl Search<'_> {
+    /// Each effect gives way to the most probable of its rivals beside the others: of those that leave alike the one
+    /// with fewer coefficients.
+    pub(super) fn most_probable(
+        &self,
+        sight: &Sight<'_>,
+        rivals: &mut Vec<Vec<Looked>>,
+        mut best: Candidate,
+    ) -> Candidate {
+        for slot in (0..best.picks.len().min(rivals.len())).rev() {
+            let looked = &rivals[slot];
+            let first = belief::beliefs(sight, looked, &best).first().map(|b| b.family);
+            let rival = looked.iter().find(|l| first.is_some_and(|f| f == l.family));
+            let mut others = best.picks.clone();
+            let own = others.remove(slot);
+            // Rivals that were looked at beside an effect which was dropped or exchanged since still have that one.
+            let is_beside =
+                |c: &&Candidate| c.picks.split_last().is_some_and(|(_, with)| *with == others[..]);
+            let Some(rival) = rival.and_then(|l| l.best.as_ref()).filter(is_beside) else {
+                continue;
+            };
+            if rival.picks.last().is_some_and(|pick| pick.0 != own.0) {
+                best = rival.clone();
+                let looked = rivals.remove(slot);
+                rivals.push(looked);
+            }
+        }
+        best
+    }
+
+    /// Names the most probable one once the noise is known better.
+    pub(crate) fn name_again(&self, found: &mut Found) {
+        let last = found.last.clone();
+        let before = last.picks.clone();
+        found.last = self.most_probable(&self.sight(&found.base), &mut found.rivals, last);
+        if found.alone.len() == 1 || found.last.picks != before {
+            found.alone = self.alone(&found.base, &found.last);
+        }
+    }
+}
