@@ -404,16 +404,32 @@ pub(crate) fn forced(
     let Some(&first) = u.first() else { return Ok(()) };
     let kinds = forces.iter().map(surround::Acting::force);
     let forced = ForcedMode::new((frequency, damping), kinds, step);
+    let driven = (gain, first, u);
+    if let &[force] = forces {
+        let mut slide = 0.0;
+        under(&forced, driven, |at, goes_on| force.pull(at, &mut slide, goes_on), out);
+        return Ok(());
+    }
     // States of the frictions.
     let mut slides = vec![0.0; forces.len()];
-    let mut pull = |at, goes_on| -> f64 {
+    let pull = |at, goes_on| -> f64 {
         let all = forces.iter().zip(&mut slides);
         all.map(|(force, slide)| force.pull(at, slide, goes_on)).sum()
     };
+    under(&forced, driven, pull, out);
+    Ok(())
+}
+
+/// The motion of a mode under what pulls at it, driven by `gain` times the command from rest under the first one.
+fn under(
+    mode: &ForcedMode,
+    (gain, first, u): (f64, f64, &[f64]),
+    mut pull: impl FnMut((f64, f64, f64), bool) -> f64,
+    out: &mut [f64],
+) {
     let rest = ForcedMode::rest(gain * first, |at| pull(at, true));
     let mut state = [rest, 0.0, rest];
     for (n, (y, u)) in out.iter_mut().zip(u).enumerate() {
-        *y = if n > 0 { forced.step(gain * u, &mut state, &mut pull) } else { rest };
+        *y = if n > 0 { mode.step(gain * u, &mut state, &mut pull) } else { rest };
     }
-    Ok(())
 }
