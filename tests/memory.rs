@@ -88,6 +88,8 @@ fn checked_libraries() -> Option<PathBuf> {
         cargo.env_remove(inherited);
     }
     cargo.env("CARGO_TARGET_DIR", &target).env("RUSTFLAGS", "-Zsanitizer=address");
+    // For the lines in the sanitizer's reports.
+    cargo.env("CARGO_PROFILE_DEV_DEBUG", "line-tables-only");
     // The flag is one of nightly compilers; the stable one has the runtime, too.
     let output = cargo.env("RUSTC_BOOTSTRAP", "1").output().expect("cargo starts");
     if !output.status.success() {

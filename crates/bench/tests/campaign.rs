@@ -2,15 +2,13 @@
 //! deadline in cycles, and with the machine at rest.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
+use crate::common::{APPROACH, Law, PERIOD, PERIOD_NS, ROWS, WATCH};
+use crate::common::{control_law, controller, cycle_with, emulator, limits, rehearsal};
 use bench::campaign::{Campaign, Trial};
 use bench::cycle::Orders;
 use bench::emulate::{PlantError, Script};
 use bench::rehearsal::Rehearsal;
 use bench::safety::{AxisLimits, Reason, State};
-use common::{APPROACH, PERIOD, PERIOD_NS, ROWS, WATCH};
-use common::{control_law, controller, cycle_with, emulator, limits, rehearsal};
 
 const AXES: usize = 2;
 
@@ -72,7 +70,7 @@ fn a_controller_that_fails_or_speaks_nonsense_is_stopped() {
         (0.0, Reason::ControllerFailed),
     ] {
         let mut good = control_law(AXES);
-        let law: common::Law = Box::new(move |step, inputs, state, outputs| {
+        let law: Law = Box::new(move |step, inputs, state, outputs| {
             let answer = good(step, inputs, state, outputs);
             if step >= 300 {
                 outputs[1] = broken;
@@ -91,7 +89,7 @@ fn a_controller_that_fails_or_speaks_nonsense_is_stopped() {
 
 #[test]
 fn a_command_that_stays_at_its_limit_is_a_fault() {
-    let law: common::Law = Box::new(|step, inputs, _, outputs| {
+    let law: Law = Box::new(|step, inputs, _, outputs| {
         outputs.copy_from_slice(&inputs[..AXES]);
         outputs.iter_mut().for_each(|u| *u = if step > 200 { 1e9 } else { 10.0 * *u });
         true

@@ -4,20 +4,18 @@
 #![cfg(unix)]
 #![allow(clippy::print_stdout)]
 
-mod common;
-
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use crate::common::bad_line::{FAULTS, Fault, MemoryLine, World};
+use crate::common::lockstep::{Lockstep, run};
+use crate::common::{PERIOD, controller, cycle_with, plant, target_limits, targets};
 use bench::emulate::{GcsInstrument, travel};
 use bench::gateway::device::Device;
 use bench::gateway::gcs::{self, GcsDevice};
 use bench::gateway::line::Options;
 use bench::safety::{Reason, State};
-use common::bad_line::{FAULTS, Fault, MemoryLine, World};
-use common::lockstep::{Lockstep, run};
-use common::{PERIOD, controller, cycle_with, plant, target_limits, targets};
 
 const AXES: usize = 2;
 

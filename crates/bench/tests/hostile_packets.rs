@@ -1,6 +1,6 @@
 //! Packets that nobody should send: none makes the reader panic, and none is counted twice or not.
 //!
-//! `PIEZOLOOP_PACKETS=10000000 cargo test --release -p piezoloop-bench --test hostile_packets` tries so many.
+//! `PIEZOLOOP_PACKETS=10000000 cargo test --release -p piezoloop-bench --test all hostile_packets::` tries so many.
 #![allow(clippy::print_stdout)]
 
 use bench::gateway::{End, Gateway, Key, KeyedGateway, MemoryGateway, pair};

@@ -3,16 +3,14 @@
 #![cfg(unix)]
 #![allow(clippy::print_stdout)]
 
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::common::lockstep::{Lockstep, run};
+use crate::common::{PERIOD, control_law, controller, cycle};
 use bench::gateway::device::Device;
 use bench::gateway::{C_HEADER, PluginDevice};
 use bench::safety::{Reason, State};
-use common::lockstep::{Lockstep, run};
-use common::{PERIOD, control_law, controller, cycle};
 
 const AXES: usize = 2;
 

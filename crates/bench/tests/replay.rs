@@ -4,17 +4,15 @@
 //! `PIEZOLOOP_CYCLES=1000000 PIEZOLOOP_SCRIPTS=200` makes it long.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
 use std::path::Path;
 
+use crate::common::{Law, PERIOD_NS, WATCH, controller, emulator, limits, names};
 use bench::cycle::{Column, Cycle, Driver, Orders, Player, Setup, columns};
 use bench::emulate::Script;
 use bench::record::{About, Format, Journal, Recording, convert};
 use bench::rehearsal::Rehearsal;
 use bench::replay::{Difference, Recipe, RecipeAxis, Replayed, replay};
 use bench::safety::{AxisLimits, State};
-use common::{Law, PERIOD_NS, WATCH, controller, emulator, limits, names};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 

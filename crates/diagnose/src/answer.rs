@@ -13,8 +13,8 @@ use crate::belief::{self, Sight};
 use crate::chain::{Chain, Parameter};
 use crate::experiment;
 use crate::gap::{
-    Estimate, Gap, NamedEffect, OutputGap, Partial, Provenance, Retuned, SCHEMA, Shrink, Tried,
-    Verdict,
+    Estimate, Gap, ModelKind, NamedEffect, OutputGap, Partial, Provenance, Retuned, SCHEMA, Shrink,
+    Tried, Verdict,
 };
 use crate::new_record;
 use crate::outcome::Outcome;
@@ -465,8 +465,8 @@ fn own_offsets(o: &Outcome) -> Option<String> {
 
 fn provenance(request: &Request, simulations: u64) -> Provenance {
     let (model, kind) = match &request.model {
-        Model::Blueprint(blueprint) => (blueprint.spec().name.clone(), "white box"),
-        Model::Fmu(path) => (path.display().to_string(), "black box"),
+        Model::Blueprint(blueprint) => (blueprint.spec().name.clone(), ModelKind::WhiteBox),
+        Model::Fmu(path) => (path.display().to_string(), ModelKind::BlackBox),
     };
     let split = if request.holdout.is_empty() {
         format!(
@@ -485,7 +485,7 @@ fn provenance(request: &Request, simulations: u64) -> Provenance {
         tool: "piezoloop".to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         model,
-        kind: kind.to_owned(),
+        kind,
         logs: origins(&request.logs),
         holdout: origins(&request.holdout),
         split,

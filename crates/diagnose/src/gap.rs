@@ -404,6 +404,17 @@ pub struct NoiseFloor {
     pub corner: Option<f64>,
 }
 
+/// What is known of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ModelKind {
+    /// Its components: a blueprint.
+    #[serde(rename = "white box")]
+    WhiteBox,
+    /// Its inputs, outputs and parameters: an FMU.
+    #[serde(rename = "black box")]
+    BlackBox,
+}
+
 /// What the answer was made from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
@@ -413,8 +424,8 @@ pub struct Provenance {
     pub version: String,
     /// Model.
     pub model: String,
-    /// `white box` or `black box`.
-    pub kind: String,
+    /// What is known of the model.
+    pub kind: ModelKind,
     /// Logs.
     pub logs: Vec<String>,
     /// Logs that were only judged on.

@@ -62,7 +62,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub use between::{Between, Reading};
 pub use error::Error;
 pub use gap::{
-    BandShare, Baseline, Discrepancy, Estimate, Gap, HeldOut, Leftover, NamedEffect,
+    BandShare, Baseline, Discrepancy, Estimate, Gap, HeldOut, Leftover, ModelKind, NamedEffect,
     NextExperiment, NoiseFloor, OutputGap, Partial, Place, Provenance, RecordShare, Retuned,
     SCHEMA, Shrink, Tried, Verdict,
 };

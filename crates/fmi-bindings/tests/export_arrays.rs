@@ -4,17 +4,15 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::null;
 use std::sync::Mutex;
 
+use crate::support::components::PERIOD;
+use crate::support::{Fmu, arrays_plant, controller, plant, resources};
 use fmi_bindings::export::{Factory, v3};
 use fmi_bindings::fmi2::fmi2OK;
 use fmi_bindings::fmi3::*;
-use support::components::PERIOD;
-use support::{Fmu, arrays_plant, controller, plant, resources};
 
 /// Value references of the plant with two axes, in the order of its table.
 const COMMAND: u32 = 0;

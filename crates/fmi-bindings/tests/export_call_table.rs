@@ -4,13 +4,11 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::ptr::null_mut;
 
+use crate::support::{Fmu, plant};
 use fmi_bindings::export::{Phase, v2};
 use fmi_bindings::fmi2::*;
-use support::{Fmu, plant};
 
 /// The standard's table for co-simulation: the function, its marks in the states instantiated,
 /// initializationMode, stepComplete, terminated and error, and its answer to good arguments there.

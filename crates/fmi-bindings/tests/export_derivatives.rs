@@ -4,13 +4,11 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::ptr::null_mut;
 
+use crate::support::components::PERIOD;
+use crate::support::{Factory, Fmu, Random, plant, plays_plant, stairs_plant};
 use fmi_bindings::fmi2::*;
-use support::components::PERIOD;
-use support::{Factory, Fmu, Random, plant, plays_plant, stairs_plant};
 
 /// The derivative of one output by one known; the call must succeed.
 fn slope(fmu: &Fmu, unknown: &str, known: &str, seed: f64) -> f64 {

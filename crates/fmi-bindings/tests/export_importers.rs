@@ -4,13 +4,11 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::ffi::CString;
 
+use crate::support::{Arguments, Fmu, controller, other_plant, plant, resources};
 use fmi_bindings::export::v2;
 use fmi_bindings::fmi2::*;
-use support::{Arguments, Fmu, controller, other_plant, plant, resources};
 
 fn plant_at(location: &str) -> Fmu {
     Fmu::with(plant, Arguments::of(plant).location(location))
@@ -76,7 +74,10 @@ fn without_a_location_the_resources_are_found_from_the_library() {
     let program = binaries.join("program");
     std::fs::copy(std::env::current_exe().unwrap(), &program).unwrap();
     let done = std::process::Command::new(&program)
-        .args(["--exact", "without_a_location_the_resources_are_found_from_the_library"])
+        .args([
+            "--exact",
+            "export_importers::without_a_location_the_resources_are_found_from_the_library",
+        ])
         .env(INSIDE, "1")
         .output()
         .unwrap();
@@ -123,7 +124,7 @@ fn a_panic_while_instantiating_is_a_refusal() {
 
 #[test]
 fn missing_callbacks_are_fine() {
-    let none = fmi2CallbackFunctions { logger: None, ..support::callbacks() };
+    let none = fmi2CallbackFunctions { logger: None, ..crate::support::callbacks() };
     for callbacks in [None, Some(none)] {
         let fmu = Fmu::with(plant, Arguments { callbacks, ..Arguments::of(plant) });
         assert!(!fmu.c.is_null());

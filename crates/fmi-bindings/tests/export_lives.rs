@@ -4,14 +4,12 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::ptr::{null, null_mut};
 
+use crate::support::components::PERIOD;
+use crate::support::{Fmu, plant};
 use fmi_bindings::export::v2;
 use fmi_bindings::fmi2::*;
-use support::components::PERIOD;
-use support::{Fmu, plant};
 
 /// The position after one hit, from rest at 0 under command 0 with a gain of 2 um/V: the lag takes a
 /// tenth of the way.

@@ -4,13 +4,11 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::ffi::{CStr, c_char};
 
+use crate::support::{Arguments, Fmu, plant};
 use fmi_bindings::export::{LOG_CATEGORIES, v2};
 use fmi_bindings::fmi2::*;
-use support::{Arguments, Fmu, plant};
 
 fn logging(on: fmi2Boolean) -> Fmu {
     Fmu::with(plant, Arguments { logging_on: on, ..Arguments::of(plant) })

@@ -4,14 +4,12 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::ptr::null_mut;
 
+use crate::support::components::PERIOD;
+use crate::support::{Factory, Fmu, Random, plant, plays_plant, stairs_plant};
 use fmi_bindings::export::v2;
 use fmi_bindings::fmi2::*;
-use support::components::PERIOD;
-use support::{Factory, Fmu, Random, plant, plays_plant, stairs_plant};
 
 fn slopes(fmu: &Fmu, names: &[&str], order: i32) -> (fmi2Status, Vec<f64>) {
     let references: Vec<u32> = names.iter().map(|name| fmu.reference(name)).collect();

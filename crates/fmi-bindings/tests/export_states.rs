@@ -4,14 +4,12 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::ptr::null_mut;
 
+use crate::support::components::PERIOD;
+use crate::support::{Fmu, Random, other_plant, plant};
 use fmi_bindings::export::v2;
 use fmi_bindings::fmi2::*;
-use support::components::PERIOD;
-use support::{Fmu, Random, other_plant, plant};
 
 /// Steps with a repeatable, rough input, and returns the bits of all outputs.
 fn run(fmu: &Fmu, from: usize, steps: usize) -> Vec<u64> {
@@ -192,7 +190,7 @@ fn bytes_are_loaded_in_another_process() {
     run(&fmu, 0, 30);
     std::fs::write(&file, fmu.bytes(fmu.save())).unwrap();
     let done = std::process::Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "bytes_are_loaded_in_another_process"])
+        .args(["--exact", "export_states::bytes_are_loaded_in_another_process"])
         .env(STATE_FILE, &file)
         .output()
         .unwrap();

@@ -4,12 +4,10 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
+use crate::support::components::PERIOD;
+use crate::support::{Fmu, Random, plant};
 use fmi_bindings::export::v2;
 use fmi_bindings::fmi2::*;
-use support::components::PERIOD;
-use support::{Fmu, Random, plant};
 
 fn last_time(fmu: &Fmu) -> f64 {
     let mut time = f64::NAN;

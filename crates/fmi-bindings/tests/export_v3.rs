@@ -4,16 +4,14 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::collections::HashMap;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::Mutex;
 
+use crate::support::{Fmu, controller, plant, resources};
 use fmi_bindings::export::{Factory, Phase, v3};
 use fmi_bindings::fmi3::*;
-use support::{Fmu, controller, plant, resources};
 
 /// The standard's table for co-simulation: function, its marks in Instantiated, Initialization
 /// Mode, Step Mode, Terminated and after an error, and its answer to good arguments there.

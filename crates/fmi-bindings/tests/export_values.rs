@@ -4,13 +4,11 @@
     reason = "each block calls the edge as an importer does, by the standard's contract"
 )]
 
-mod support;
-
 use std::ptr::{null, null_mut};
 
+use crate::support::{Fmu, controller, plant};
 use fmi_bindings::export::v2;
 use fmi_bindings::fmi2::*;
-use support::{Fmu, controller, plant};
 
 #[test]
 fn outputs_follow_inputs_and_parameters_in_the_initialization_mode() {

@@ -73,13 +73,6 @@ impl KernelSum {
         self.bias + dispatch(self.arch, job)
     }
 
-    /// As [`value`](Self::value), with a point that is divided by σ already.
-    #[must_use]
-    pub fn value_of_scaled(&self, z: &[f64]) -> f64 {
-        let job = Value { centres: &self.centres, weights: &self.weights, z, d: self.dimension };
-        self.bias + dispatch(self.arch, job)
-    }
-
     /// 1/σ of each coordinate.
     #[must_use]
     pub fn scale(&self) -> &[f64] {

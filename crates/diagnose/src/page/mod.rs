@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use report::{Column, KeyFigure, Report, Section, Table, TimeSeries, Value, Verdict as Word};
 
-use crate::gap::{Estimate, Gap, HeldOut, Verdict};
+use crate::gap::{Estimate, Gap, HeldOut, ModelKind, Verdict};
 use crate::outcome::Outcome;
 use crate::sentence;
 use crate::{Diagnosis, Files};
@@ -321,7 +321,7 @@ fn use_it(gap: &Gap, files: &Files<'_>) -> Section {
     };
     let name = file.display();
     if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("fmu"))
-        && gap.provenance.kind == "black box"
+        && gap.provenance.kind == ModelKind::BlackBox
     {
         section = section
             .paragraph(format!(
