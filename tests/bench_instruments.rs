@@ -399,7 +399,7 @@ fn a_loop_follows_an_analog_input_and_is_recorded() {
 }
 
 /// The answer of an emulated NV200 to a command or a question.
-fn told(place: &str, line: &str) -> String {
+fn reported(place: &str, line: &str) -> String {
     let mut stream = std::net::TcpStream::connect(place).unwrap();
     stream.write_all(format!("{line}\r").as_bytes()).unwrap();
     let mut answer = Vec::new();
@@ -420,7 +420,7 @@ fn an_nv200_follows_its_analog_input_and_lets_go_of_it() {
     let call = |more: &[&'static str]| [&begin[..], more].concat();
     let as_it_was = || {
         assert_eq!(
-            ["modsrc", "modon", "sr"].map(|name| told(&place, name)),
+            ["modsrc", "modon", "sr"].map(|name| reported(&place, name)),
             ["modsrc,0", "modon,0", "sr,2000"]
         );
     };
@@ -431,7 +431,7 @@ fn an_nv200_follows_its_analog_input_and_lets_go_of_it() {
     as_it_was();
     // 0 to 10 V are the travel, from -7 to 42 um; below 0 V it stays at its end.
     let [low, high] = ["posmin", "posmax"]
-        .map(|name| told(&place, name).rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
+        .map(|name| reported(&place, name).rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
     assert!((low + 7.0).abs() < 1e-3 && (high - 42.0).abs() < 1e-3, "{low} {high}");
     let wanted: Vec<f64> = volts.iter().map(|v| low + 0.1 * (high - low) * v.max(0.0)).collect();
     let [least, now, later] = followed(&here.join("log.csv"), &wanted);
@@ -451,14 +451,14 @@ fn an_nv200_follows_its_analog_input_and_lets_go_of_it() {
     as_it_was();
     // One that works so by itself goes on.
     for line in ["cl,1", "modon,1", "modsrc,1"] {
-        assert_eq!(told(&place, line), "");
+        assert_eq!(reported(&place, line), "");
     }
     json(&call(&["1", "--duration", "0.5"]), here);
-    assert_eq!(["modsrc", "modon"].map(|name| told(&place, name)), ["modsrc,1", "modon,1"]);
+    assert_eq!(["modsrc", "modon"].map(|name| reported(&place, name)), ["modsrc,1", "modon,1"]);
 
     let message = refuse(&call(&["2", "--duration", "1"]), here);
     assert!(message.contains("one input signal, its analog input: give --follow 1"), "{message}");
-    assert_eq!(told(&place, "modsrc,2"), "");
+    assert_eq!(reported(&place, "modsrc,2"), "");
     let message = refuse(&call(&["1", "--duration", "1"]), here);
     assert!(message.contains("input signal 2 gives the targets of the axis already"), "{message}");
     let message = refuse(&call(&["1", "--duration", "1", "--every", "1"]), here);

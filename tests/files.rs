@@ -280,8 +280,8 @@ fn what_is_written_and_what_is_not_is_said() {
         for name in absent {
             let path = disk.path().join(name).display().to_string();
             // A file that nobody named is told where it fails.
-            let is_told = missing.contains(&path) || before.contains(&path);
-            assert!(is_told && !written.contains(&path), "{}, {name}: {message}", job.name);
+            let is_reported = missing.contains(&path) || before.contains(&path);
+            assert!(is_reported && !written.contains(&path), "{}, {name}: {message}", job.name);
         }
         said_both += 1;
     }

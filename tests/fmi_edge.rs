@@ -72,7 +72,7 @@ fn learned_plays(folder: &Path) -> PathBuf {
 piezoloop = 1
 kind = "plant"
 name = "learned"
-source = "made for tests"
+source = "created for tests"
 step = 1e-3
 [[axis]]
 name = "X"

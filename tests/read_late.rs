@@ -77,9 +77,9 @@ fn readings_within_the_rows_are_found_around_an_fmu() {
         assert_eq!(gap["verdict"], "retune", "seed {SEED}, {hundredths}: {}", gap["sentence"]);
         let late = gap["outputs"][0]["reading_late"].as_f64().unwrap_or(0.0);
         // Names and tolerances are those of the blueprint that the FMU carries.
-        let said = gap["warnings"].to_string();
+        let reported = gap["warnings"].to_string();
         for words in ["whose tolerances hold for axis[1].gain.gain", "column y is position[1]"] {
-            assert!(said.contains(words), "{said}");
+            assert!(reported.contains(words), "{reported}");
         }
         let part = 100.0 * late * RATE;
         assert!((part - hundredths as f64).abs() < 0.5, "seed {SEED}, {hundredths}: {part}");

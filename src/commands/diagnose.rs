@@ -211,7 +211,8 @@ impl Diagnose {
         let mut libraries = self.libraries(self.is_fmu())?;
         let mut request = self.request(&source)?;
         let unmatched = check_tolerances(&request)?;
-        let said = source.fmu().map_or(Ok(Vec::new()), |fmu| carried::add(&mut request, &fmu))?;
+        let reported =
+            source.fmu().map_or(Ok(Vec::new()), |fmu| carried::add(&mut request, &fmu))?;
         let mut bar = Bar(cli::bar(screen, "diagnose", 1));
         let mut diagnosis = diagnose::examine(&request, &mut bar);
         if let Source::Generated(model) = &mut source {
@@ -243,7 +244,7 @@ impl Diagnose {
         diagnosis.gap.baseline = baseline;
         diagnosis.gap.provenance.model = name.unwrap_or(diagnosis.gap.provenance.model);
         diagnosis.gap.warnings.extend(unmatched);
-        diagnosis.gap.warnings.splice(0..0, notes.into_iter().chain(said));
+        diagnosis.gap.warnings.splice(0..0, notes.into_iter().chain(reported));
         // Before the answer, which speaks of the model that is handed back; where that cannot be
         // written the answer is there all the same.
         let is_repaired = matches!(diagnosis.gap.verdict, Verdict::Effects | Verdict::Retune);

@@ -76,7 +76,7 @@ fn faults_end_safely(serial: bool) {
                 let world = world.borrow();
                 let used = &cycle.row()[1 + AXES..1 + 2 * AXES];
                 assert!(
-                    world.told.iter().any(|told| told == used),
+                    world.commanded.iter().any(|commanded| commanded == used),
                     "{name}: {used:?} was never told"
                 );
                 // Where the line is good in the end, the targets are the safe ones.
@@ -88,10 +88,10 @@ fn faults_end_safely(serial: bool) {
                     );
                 }
                 if fault == Fault::Reboot {
-                    let said = gateway.bridge.failure().unwrap_or_default();
+                    let reported = gateway.bridge.failure().unwrap_or_default();
                     assert!(
-                        said.contains("restarted") || said.contains("servo off"),
-                        "{name}: {said}"
+                        reported.contains("restarted") || reported.contains("servo off"),
+                        "{name}: {reported}"
                     );
                     assert!(world.instrument.targets().iter().all(|(_, servo)| !servo), "{name}");
                 }
@@ -112,8 +112,11 @@ fn faults_end_safely(serial: bool) {
 fn a_good_line_follows_and_ends_at_rest() {
     let world = world(1, None);
     let mut device = device(&world);
-    let said = device.describe().unwrap();
-    assert!(said.contains("emulated GCS 2.0") && said.contains("1 from -2 to 12"), "{said}");
+    let reported = device.describe().unwrap();
+    assert!(
+        reported.contains("emulated GCS 2.0") && reported.contains("1 from -2 to 12"),
+        "{reported}"
+    );
     let mut gateway = Lockstep::new(Box::new(device), AXES);
     let mut cycle = cycle_with(AXES, controller(AXES, targets(AXES)), target_limits());
     let memory = run(&mut cycle, &mut gateway, 6000);
@@ -121,7 +124,7 @@ fn a_good_line_follows_and_ends_at_rest() {
     assert_eq!(gateway.bridge.failure(), None);
     let world = world.borrow();
     assert_eq!(world.instrument.targets(), vec![(0.0, true); AXES]);
-    let greatest = world.told.iter().fold(0.0_f64, |most, told| most.max(told[0]));
+    let greatest = world.commanded.iter().fold(0.0_f64, |most, commanded| most.max(commanded[0]));
     assert!((6.0..9.0).contains(&greatest), "it moved: {greatest} um");
 }
 

@@ -100,10 +100,10 @@ fn no_packet_panics_and_each_is_counted_once() {
     let mut bytes = [0; 2 * MAX_BYTES];
     let (mut sequence, mut read, mut refused) = (0, 0u64, [0u64; 6]);
     for _ in 0..packets {
-        let whole = packet(&mut dice, &mut sequence, &mut bytes);
+        let complete = packet(&mut dice, &mut sequence, &mut bytes);
         let length = match dice.one_in(2) {
-            true => damage(&mut dice, &mut bytes, whole),
-            false => whole,
+            true => damage(&mut dice, &mut bytes, complete),
+            false => complete,
         };
         let mut values = [7.0; CHANNELS];
         let found = &bytes[..length];
@@ -161,7 +161,7 @@ fn no_keyed_packet_is_taken_that_was_not_sent() {
     let (mut wire, mut tap) = (near.clone(), far.clone());
     let mut bytes = [0; 2 * MAX_BYTES];
     let (mut sequence, mut recorded): (u32, Vec<Vec<u8>>) = (0, Vec::new());
-    let (mut whole, mut taken, mut twice) = (0_u64, 0_u64, 0_u64);
+    let (mut complete, mut taken, mut twice) = (0_u64, 0_u64, 0_u64);
     for number in 0..packets {
         let mut command = [0; MAX_BYTES];
         let header = Header {
@@ -182,7 +182,7 @@ fn no_keyed_packet_is_taken_that_was_not_sent() {
         let is_whole = dice.one_in(2);
         if is_whole {
             wire.send(&bytes[..length]);
-            whole += u64::from(number > 0);
+            complete += u64::from(number > 0);
         } else {
             let before = bytes[..length].to_vec();
             let cut = damage(&mut dice, &mut bytes, length);
@@ -210,8 +210,8 @@ fn no_keyed_packet_is_taken_that_was_not_sent() {
     }
     let refused = machine.refused().expect("it has a key");
     println!(
-        "seed {seed}: {packets} packets, {whole} whole, {taken} taken, {twice} sent again; {refused:?}"
+        "seed {seed}: {packets} packets, {complete} whole, {taken} taken, {twice} sent again; {refused:?}"
     );
-    assert!(taken <= whole && taken + 2 >= whole, "{taken} of {whole}");
+    assert!(taken <= complete && taken + 2 >= complete, "{taken} of {complete}");
     assert!(refused.forged > 0 && refused.replayed > 0);
 }

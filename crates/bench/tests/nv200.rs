@@ -81,15 +81,15 @@ fn faults_end_safely(serial: bool) {
                 let world = world.borrow();
                 let used = cycle.row()[2];
                 assert!(
-                    world.told.iter().any(|told| *told == [used]),
+                    world.commanded.iter().any(|commanded| *commanded == [used]),
                     "{name}: {used} was never told"
                 );
                 if length != u64::MAX && fault != Fault::Reboot {
                     assert_eq!(world.instrument.targets(), [(0.0, true)], "{name}");
                 }
                 if fault == Fault::Reboot {
-                    let said = gateway.bridge.failure().unwrap_or_default();
-                    assert!(said.contains("has restarted"), "{name}: {said}");
+                    let reported = gateway.bridge.failure().unwrap_or_default();
+                    assert!(reported.contains("has restarted"), "{name}: {reported}");
                     assert!(!world.instrument.targets()[0].1, "{name}: it is left alone");
                 }
             }
@@ -106,15 +106,16 @@ fn a_good_line_follows_in_both_modes() {
     {
         let world = world(1, None);
         let mut device = device(&world, options).unwrap();
-        let said = device.describe().unwrap();
-        assert!(said.contains("NV200/D_NET") && said.contains(words), "{said}");
+        let reported = device.describe().unwrap();
+        assert!(reported.contains("NV200/D_NET") && reported.contains(words), "{reported}");
         let mut gateway = Lockstep::new(Box::new(device), 1);
         let mut cycle = cycle_with(1, controller(1, targets(1)), target_limits());
         let memory = run(&mut cycle, &mut gateway, 6000);
         assert_eq!((memory.state, memory.reason), (State::Safe, Reason::Finished), "{options}");
         assert_eq!(gateway.bridge.failure(), None);
         let world = world.borrow();
-        let greatest = world.told.iter().fold(0.0_f64, |most, told| most.max(told[0]));
+        let greatest =
+            world.commanded.iter().fold(0.0_f64, |most, commanded| most.max(commanded[0]));
         // 8 um, or 8 V of 0.1 um/V.
         let expected = if options.is_empty() { 6.0..9.0 } else { 0.7..0.9 };
         assert!(expected.contains(&greatest), "it moved: {greatest} um");

@@ -37,7 +37,7 @@ fn assert_columns(log: &Log, expected: &[(&str, &[f64])]) {
 }
 
 #[track_caller]
-fn assert_said(log: &Log, wanted: &str) {
+fn assert_reported(log: &Log, wanted: &str) {
     let notes = log.notes().join("\n");
     assert!(notes.contains(wanted), "{wanted} is not in: {notes}");
 }
@@ -62,13 +62,13 @@ fn row_vectors_with_times_called_t() {
         ("note", note),
     ]);
     assert_columns(&log, &[("u", &U), ("y", &Y)]);
-    assert_said(&log, "t is taken as the time");
+    assert_reported(&log, "t is taken as the time");
     let dropped: Vec<&str> = log.left_out().iter().map(|column| column.name.as_str()).collect();
     assert_eq!(dropped, ["dt", "note"]);
     // Signals as the rows of a matrix.
     let log = of(&[("t", row(&T)), ("x", Value::Numbers(2, 4, rows()))]);
     assert_columns(&log, &[("x[1]", &U), ("x[2]", &Y)]);
-    assert_said(&log, "x: a column per time, taken transposed");
+    assert_reported(&log, "x: a column per time, taken transposed");
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn arrays_that_simulink_logs() {
     let log =
         of(&[("tout", column(&T)), ("yout", Value::Numbers(4, 2, columns())), ("sig", column(&U))]);
     assert_columns(&log, &[("yout_1", &U), ("yout_2", &Y), ("sig", &U)]);
-    assert_said(&log, "tout is taken as the time");
+    assert_reported(&log, "tout is taken as the time");
 }
 
 #[test]
@@ -93,11 +93,11 @@ fn matrices_of_to_file_have_their_times_in_the_first_row() {
     let matrix: Vec<f64> = (0..4).flat_map(|k| [T[k], U[k], Y[k]]).collect();
     let log = of(&[("ans", Value::Numbers(3, 4, matrix))]);
     assert_columns(&log, &[("ans_1", &U), ("ans_2", &Y)]);
-    assert_said(&log, "ans: the first row is taken as the time, the others are ans_1, ans_2");
+    assert_reported(&log, "ans: the first row is taken as the time, the others are ans_1, ans_2");
     // From Workspace takes them in the first column.
     let log = of(&[("simin", Value::Numbers(4, 2, [T, U].concat()))]);
     assert_columns(&log, &[("simin", &U)]);
-    assert_said(&log, "the first column");
+    assert_reported(&log, "the first column");
     // What does not grow is no time.
     let error = read(&version_5(&[(
         "ans",
@@ -123,7 +123,7 @@ fn structures_with_time() {
     let two = vec![signal("", Value::Numbers(4, 2, columns())), signal("w", column(&Y))];
     let log = of(&[("out", structure(column(&T), two))]);
     assert_columns(&log, &[("out_1_1", &U), ("out_1_2", &Y), ("w", &Y)]);
-    assert_said(&log, "out is a structure with time of out_1_1, out_1_2, w");
+    assert_reported(&log, "out is a structure with time of out_1_1, out_1_2, w");
     // Without time: the times stand in tout. Two of one label.
     let empty = Value::Numbers(0, 0, Vec::new());
     let twice = vec![signal("w", column(&U)), signal("w", column(&Y))];
@@ -205,6 +205,6 @@ fn results_of_dymola() {
     let log = read(&bytes).unwrap_or_else(|error| panic!("{error}"));
     assert_columns(&log, &[("m.x", &U), ("m.minus", &U.map(|u| -u))]);
     assert_eq!(log.column("m.x").unwrap().unit.as_ref().unwrap().text, "m");
-    assert_said(&log, "result of Dymola or OpenModelica");
-    assert_said(&log, "1 parameters and constants");
+    assert_reported(&log, "result of Dymola or OpenModelica");
+    assert_reported(&log, "1 parameters and constants");
 }

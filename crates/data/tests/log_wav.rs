@@ -26,8 +26,8 @@ fn coded(x: f64, coding: Coding) -> Vec<u8> {
     match coding {
         Coding::Integers(8) => vec![(x * 128.0 + 128.0) as u8],
         Coding::Integers(bits) => {
-            let whole = (x * 2_f64.powi(31)) as i32;
-            whole.to_le_bytes()[4 - usize::from(bits / 8)..].to_vec()
+            let complete = (x * 2_f64.powi(31)) as i32;
+            complete.to_le_bytes()[4 - usize::from(bits / 8)..].to_vec()
         }
         Coding::Floats(32) => (x as f32).to_le_bytes().to_vec(),
         Coding::Floats(_) => x.to_le_bytes().to_vec(),
@@ -149,8 +149,12 @@ fn what_is_cut_off_or_coded_otherwise_is_stated() {
             Ok(log) => {
                 let rows = (end - data_at) / 4;
                 holds(&log, 2, rows);
-                let said = format!("{rows} of {ROWS} frames");
-                assert!(log.notes().iter().any(|note| note.contains(&said)), "{:?}", log.notes());
+                let reported = format!("{rows} of {ROWS} frames");
+                assert!(
+                    log.notes().iter().any(|note| note.contains(&reported)),
+                    "{:?}",
+                    log.notes()
+                );
             }
             Err(message) => assert!(!message.is_empty() && end < data_at + 8, "{end}: {message}"),
         }

@@ -32,8 +32,8 @@ pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Resul
 }
 
 fn read(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
-    let said = (request.between, request.reading);
-    let open = Course::open(task.course, said, task.data.has_steps());
+    let requested = (request.between, request.reading);
+    let open = Course::open(task.course, requested, task.data.has_steps());
     let readings = Readings { fresh: task.clone(), request, count };
     let outcome = outcome::of(task, request, count)?;
     let Some(instant) = readings.instant(&outcome) else {
@@ -55,7 +55,7 @@ fn read(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Err
     // What leaves nothing is taken at once.
     let within = match within {
         Some(within) if within.is_complete() && within.is_better(&outcome) => {
-            return Ok(within.said(&outcome));
+            return Ok(within.with_report_of(&outcome));
         }
         within => within,
     };
@@ -65,7 +65,7 @@ fn read(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Err
 /// The answer with readings within the rows where it is better, or the other one.
 fn better(within: Option<Within>, outcome: Outcome) -> Outcome {
     match within.filter(|within| within.is_better(&outcome)) {
-        Some(within) => within.said(&outcome),
+        Some(within) => within.with_report_of(&outcome),
         None => outcome,
     }
 }

@@ -313,9 +313,9 @@ pub(crate) fn take_own_course(data: &DataSet, residual: &mut [f64]) {
         for from in (0..rows.len()).step_by(length) {
             let size = length.min(rows.len() - from);
             let piece = basis.rows(from, size);
-            let around = factor(&normal - piece.tr_mul(&piece), rows.len());
-            let Some(around) = around else { continue };
-            let course = piece * around.solve(&(&right - piece.tr_mul(&all.rows(from, size))));
+            let surrounding = factor(&normal - piece.tr_mul(&piece), rows.len());
+            let Some(surrounding) = surrounding else { continue };
+            let course = piece * surrounding.solve(&(&right - piece.tr_mul(&all.rows(from, size))));
             subtract(residual, rows.start + from..rows.start + from + size, &course);
         }
     }

@@ -46,9 +46,9 @@ fn a_rival_that_an_experiment_separates_is_gone_after_it() {
             let is_within = u.iter().all(|u| (10.0 - 1e-9..=110.0 + 1e-9).contains(u));
             assert!(is_within, "within the range of the logs");
             let times = steepest(u) / logs.iter().map(|l| steepest(command(l))).fold(0.0, f64::max);
-            let is_said = next.sentence.contains(&format!("up to {times:.1} times as steep"));
+            let is_stated = next.sentence.contains(&format!("up to {times:.1} times as steep"));
             assert!(
-                times < 1.005 || (is_said && times <= 10.0 + 1e-9),
+                times < 1.005 || (is_stated && times <= 10.0 + 1e-9),
                 "{times}: {}",
                 next.sentence
             );

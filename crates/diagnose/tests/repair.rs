@@ -64,8 +64,9 @@ fn of_two_forces_on_a_mode_both_are_named_and_one_is_written() {
     assert!(names.len() == 2 && names.contains(&"friction".to_owned()), "{names:?}");
     assert!(first.gap.shrink.fraction > Some(0.95), "{:?}", first.gap.shrink);
     let (repaired, notes) = first.repair(blueprint().blueprint());
-    let is_told = |name: &&String| notes.iter().any(|note| note.starts_with(&format!("{name} (")));
-    let described: Vec<_> = names.iter().filter(is_told).collect();
+    let is_reported =
+        |name: &&String| notes.iter().any(|note| note.starts_with(&format!("{name} (")));
+    let described: Vec<_> = names.iter().filter(is_reported).collect();
     assert_eq!(described.len(), 1, "{names:?}: {notes:?}");
     let written = names.iter().find(|name| !described.contains(name)).unwrap();
     let found = format!("{written}, found by diagnosis");

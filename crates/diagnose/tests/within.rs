@@ -79,17 +79,17 @@ fn a_reading_late_by_a_part_of_a_row_is_no_effect() {
     for (hundredths, noise) in [(0, 1e-4), (1, 1e-4), (8, 1e-4), (30, 1e-4), (50, 1e-4), (90, 1e-4)]
     {
         let gap = gap_of(STRAIGHT, hundredths, noise, None);
-        let said = || format!("seed {SEED}, {hundredths}: {} {:?}", gap.sentence, gap.warnings);
-        assert_eq!(gap.verdict, Verdict::Retune, "{}", said());
+        let message = || format!("seed {SEED}, {hundredths}: {} {:?}", gap.sentence, gap.warnings);
+        assert_eq!(gap.verdict, Verdict::Retune, "{}", message());
         let late = gap.outputs[0].reading_late;
         match (hundredths, late) {
-            (0, None) => assert!(gap.warnings.is_empty(), "{}", said()),
+            (0, None) => assert!(gap.warnings.is_empty(), "{}", message()),
             (_, Some(late)) => {
                 let part = late * RATE * 100.0;
-                assert!((part - hundredths as f64).abs() < 0.05, "{part}: {}", said());
-                assert!(gap.warnings.iter().any(|w| w.contains("after its row")), "{}", said());
+                assert!((part - hundredths as f64).abs() < 0.05, "{part}: {}", message());
+                assert!(gap.warnings.iter().any(|w| w.contains("after its row")), "{}", message());
             }
-            _ => panic!("{}", said()),
+            _ => panic!("{}", message()),
         }
     }
     // Who says that readings are taken at their rows is believed.
@@ -101,12 +101,12 @@ fn a_reading_late_by_a_part_of_a_row_is_no_effect() {
 fn a_delay_of_a_part_of_a_row_is_one_effect() {
     for (hundredths, noise) in [(-10, 1e-3), (-30, 1e-4), (-50, 1e-3), (-130, 1e-4)] {
         let gap = gap_of(STRAIGHT, hundredths, noise, None);
-        let said = || format!("seed {SEED}, {hundredths}: {} {:?}", gap.sentence, gap.warnings);
-        let [delay] = &gap.effects[..] else { panic!("{}", said()) };
-        assert_eq!(delay.effect, "delay", "{}", said());
+        let message = || format!("seed {SEED}, {hundredths}: {} {:?}", gap.sentence, gap.warnings);
+        let [delay] = &gap.effects[..] else { panic!("{}", message()) };
+        assert_eq!(delay.effect, "delay", "{}", message());
         let found = delay.parameters["delay.delay"].value * RATE * 100.0;
-        assert!((found + hundredths as f64).abs() < 3.0, "{found}: {}", said());
-        assert_eq!(gap.outputs[0].reading_late, None, "{}", said());
+        assert!((found + hundredths as f64).abs() < 3.0, "{found}: {}", message());
+        assert_eq!(gap.outputs[0].reading_late, None, "{}", message());
     }
 }
 
@@ -115,7 +115,7 @@ fn a_late_reading_hides_no_effect() {
     for hundredths in [0, 8, -8] {
         let gap = gap_of(HYSTERESIS, hundredths, 1e-2, None);
         let first = gap.effects.first().map(|e| e.effect.as_str());
-        let said = || format!("seed {SEED}, {hundredths}: {} {:?}", gap.sentence, gap.warnings);
-        assert_eq!(first, Some("hysteresis"), "{}", said());
+        let message = || format!("seed {SEED}, {hundredths}: {} {:?}", gap.sentence, gap.warnings);
+        assert_eq!(first, Some("hysteresis"), "{}", message());
     }
 }

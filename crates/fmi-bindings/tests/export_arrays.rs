@@ -1,8 +1,4 @@
 //! FMI 3.0: axes and array parameters as arrays.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::null;

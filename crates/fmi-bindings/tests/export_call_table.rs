@@ -1,8 +1,4 @@
 //! Every function in every state, against the table of FMI 2.0.5 §4.2.4.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::ptr::null_mut;
 

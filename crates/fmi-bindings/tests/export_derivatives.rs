@@ -1,8 +1,4 @@
 //! Directional derivatives, against closed forms and against steps done again.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::ptr::null_mut;
 

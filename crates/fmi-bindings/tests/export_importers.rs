@@ -1,8 +1,4 @@
 //! What importers really pass: the recorded oddities of nine of them, and what must be refused.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::ffi::CString;
 

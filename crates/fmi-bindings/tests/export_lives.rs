@@ -1,8 +1,4 @@
 //! What is set when, and how long it lasts: slopes of inputs, tunable parameters, start values.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::ptr::{null, null_mut};
 

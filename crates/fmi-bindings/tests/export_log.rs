@@ -1,8 +1,4 @@
 //! Messages: environment, name, category, escapes, panics.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::ffi::{CStr, c_char};
 

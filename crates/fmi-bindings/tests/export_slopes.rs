@@ -1,8 +1,4 @@
 //! Slopes of outputs in time, against closed forms and against differences of outputs.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::ptr::null_mut;
 

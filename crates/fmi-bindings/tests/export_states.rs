@@ -1,8 +1,4 @@
 //! Saved states: bit-exact, reused, freed, serialised, loaded in another process, garbage refused.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::ptr::null_mut;
 

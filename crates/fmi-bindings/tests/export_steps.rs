@@ -1,8 +1,4 @@
 //! Steps: time, stop time, partitions, inputs on straight lines.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use crate::support::components::PERIOD;
 use crate::support::{Fmu, Random, plant};

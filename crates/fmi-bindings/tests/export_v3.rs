@@ -1,8 +1,4 @@
 //! The edge of FMI 3.0: the same instance under the other names.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::collections::HashMap;
 use std::ffi::{CStr, CString, c_char, c_void};

@@ -1,8 +1,4 @@
 //! Getting and setting: which variable, which type, when; all or nothing.
-#![allow(
-    clippy::undocumented_unsafe_blocks,
-    reason = "each block calls the edge as an importer does, by the standard's contract"
-)]
 
 use std::ptr::{null, null_mut};
 

@@ -218,8 +218,8 @@ fn unit_of(column: &Column) -> Option<&str> {
 /// The values of a column in this unit; one that says none has it.
 fn converted(log: &Log, column: &Column, unit: &str) -> anyhow::Result<Vec<f64>> {
     // Where a log says no unit, its response has 1 in the place.
-    let is_said = |own: &str| own != "1" && !own.starts_with("1/") && !own.ends_with("/1");
-    match unit_of(column).filter(|own| is_said(own)) {
+    let is_stated = |own: &str| own != "1" && !own.starts_with("1/") && !own.ends_with("/1");
+    match unit_of(column).filter(|own| is_stated(own)) {
         Some(own) if own != unit => Ok(log.convert(&column.name, unit)?),
         _ => Ok(column.values.clone()),
     }

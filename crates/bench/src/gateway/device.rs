@@ -236,7 +236,7 @@ mod thread {
             let stop = Arc::new(AtomicBool::new(false));
             let failure = Arc::new(OnceLock::new());
             let (flag, first, safe) = (Arc::clone(&stop), Arc::clone(&failure), safe.to_vec());
-            let (tell, told) = mpsc::channel();
+            let (tell, commanded) = mpsc::channel();
             let (alive, ended) = mpsc::channel();
             let work = move || {
                 let _alive: mpsc::Sender<()> = alive;
@@ -254,7 +254,7 @@ mod thread {
                 }
             };
             std::thread::Builder::new().name("device".to_owned()).spawn(work).map_err(trouble)?;
-            let answer = told.recv_timeout(OPENS).unwrap_or_else(|error| {
+            let answer = commanded.recv_timeout(OPENS).unwrap_or_else(|error| {
                 Err(match error {
                     mpsc::RecvTimeoutError::Timeout => "it does not answer".to_owned(),
                     mpsc::RecvTimeoutError::Disconnected => "its thread ended".to_owned(),

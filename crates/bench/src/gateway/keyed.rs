@@ -226,16 +226,16 @@ impl KeyedGateway {
 
     /// Takes the packet of this length in `buffer`; the length of what is to be handed up.
     fn open(&mut self, length: usize) -> Option<usize> {
-        let whole = &self.buffer[..length];
+        let complete = &self.buffer[..length];
         let other = match self.kind {
             Kind::Command => Kind::Measurement,
             Kind::Measurement => Kind::Command,
         };
         let fits = (HEADER + TRAILER..=LONGEST).contains(&length)
-            && whole[..4] == MAGIC
-            && whole[4] == KEYED_VERSION
-            && whole[5] == other as u8;
-        let (signed, tag) = whole.split_at(length.saturating_sub(TAG));
+            && complete[..4] == MAGIC
+            && complete[4] == KEYED_VERSION
+            && complete[5] == other as u8;
+        let (signed, tag) = complete.split_at(length.saturating_sub(TAG));
         // In a time that does not depend on where they differ.
         if !fits || self.key.tag(signed).verify_truncated_left(tag).is_err() {
             self.refused.forged += 1;
@@ -443,8 +443,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("bench.key");
         std::fs::write(&file, b"short").unwrap();
-        let said = Key::read(&file).unwrap_err().to_string();
-        assert!(said.contains("16 to 4096") && said.contains("urandom"), "{said}");
+        let reported = Key::read(&file).unwrap_err().to_string();
+        assert!(reported.contains("16 to 4096") && reported.contains("urandom"), "{reported}");
         std::fs::write(&file, KEY).unwrap();
         assert!(Key::read(&file).is_ok());
         assert!(Key::read(Path::new("/dev/zero")).is_err());

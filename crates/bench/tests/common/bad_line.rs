@@ -64,7 +64,7 @@ pub struct World {
     pending: Vec<u8>,
     late: Vec<u8>,
     /// Positions that were told.
-    pub told: Vec<Vec<f64>>,
+    pub commanded: Vec<Vec<f64>>,
 }
 
 impl World {
@@ -87,7 +87,7 @@ impl World {
         }
         let good = self.instrument.receive(bytes);
         if asks {
-            self.told.extend((self.positions)(&String::from_utf8_lossy(&good)));
+            self.commanded.extend((self.positions)(&String::from_utf8_lossy(&good)));
         }
         let arrived = std::mem::take(&mut self.late);
         self.pending.extend(arrived);
@@ -188,7 +188,7 @@ impl World {
             is_open: false,
             pending: Vec::new(),
             late: Vec::new(),
-            told: vec![vec![0.0; axes]],
+            commanded: vec![vec![0.0; axes]],
         }))
     }
 }

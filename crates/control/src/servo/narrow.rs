@@ -130,9 +130,9 @@ fn last_two(signal: &[f64], points: usize) -> [&[f64]; 2] {
 fn stands_out(power: &[f64], k: usize) -> bool {
     let within = |bins: usize| k.saturating_sub(bins).max(1)..(k + bins + 1).min(power.len());
     let is_highest = power[within(BINS[1])].iter().all(|other| *other <= power[k]);
-    let mut around = power[within(4 * BINS[0])].to_vec();
+    let mut surrounding = power[within(4 * BINS[0])].to_vec();
     is_highest
-        && numerics::median(&mut around)
+        && numerics::median(&mut surrounding)
             .is_some_and(|usual| power[k] > STANDS_OUT.powi(2) * usual && power[k] > 0.0)
 }
 

@@ -182,7 +182,7 @@ impl ComponentSlave {
             Status::Fatal => "fatal",
         };
         let what = match self.live.store.data().messages.last() {
-            Some(said) => format!("returned the status {status}: {said}"),
+            Some(reported) => format!("returned the status {status}: {reported}"),
             None => format!("returned the status {status}, and no message"),
         };
         Error::Component { fmu: self.settings.name.clone(), call: name.to_owned(), what }
@@ -314,7 +314,7 @@ impl Live {
         let bindings = CoSimulationFmu::instantiate(&mut store, &library.component, &linker);
         let bindings = bindings.map_err(|error| failed(error, store.data()))?;
         let guest = bindings.fmi_fmi3_co_simulation();
-        let made = guest.co_simulation_instance().call_instantiate_co_simulation(
+        let created = guest.co_simulation_instance().call_instantiate_co_simulation(
             &mut store,
             name,
             &description.instantiation_token,
@@ -326,10 +326,10 @@ impl Live {
             &[],
         );
         let call = "instantiate-co-simulation";
-        let instance = made.map_err(|error| trapped(name, call, &error, store.data()))?;
+        let instance = created.map_err(|error| trapped(name, call, &error, store.data()))?;
         let Some(instance) = instance else {
-            let said = store.data().messages.last().cloned().unwrap_or_default();
-            let what = format!("gave no instance; {said}");
+            let reported = store.data().messages.last().cloned().unwrap_or_default();
+            let what = format!("gave no instance; {reported}");
             return Err(Error::Component { fmu: name.clone(), call: call.to_owned(), what });
         };
         Ok(Live { store, bindings, instance })
@@ -354,8 +354,8 @@ fn trapped(fmu: &str, call: &str, error: &wasmtime::Error, host: &Host) -> Error
         }
         None => text,
     };
-    if let Some(said) = host.messages.last() {
-        what += &format!("; it said: {said}");
+    if let Some(reported) = host.messages.last() {
+        what += &format!("; it said: {reported}");
     }
     Error::Component { fmu: fmu.to_owned(), call: call.to_owned(), what }
 }

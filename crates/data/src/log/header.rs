@@ -204,9 +204,9 @@ impl Context<'_> {
     /// The column of time.
     fn time_at(&self, named: &[(&str, Option<&str>)]) -> Option<usize> {
         let exact = named.iter().position(|(name, _)| *name == self.time_name());
-        let is_said = self.options.time.is_some()
+        let is_stated = self.options.time.is_some()
             || self.datasets.iter().any(|dataset| dataset.time_column.is_some());
-        if exact.is_some() || is_said {
+        if exact.is_some() || is_stated {
             return exact;
         }
         // Who gives a rate means it; only a column of the exact name goes before that of a dataset.

@@ -44,13 +44,13 @@ impl Repeats {
 
 /// What is doubtful about the times of a log as a whole, `None` for nothing; `is_said` where the file says their unit. `base`
 /// was taken off each of them.
-pub(super) fn doubt(time: &[f64], is_said: bool, base: f64) -> Option<String> {
+pub(super) fn doubt(time: &[f64], is_stated: bool, base: f64) -> Option<String> {
     /// Intervals of which the usual one is taken.
     const FEW: usize = 1000;
     /// Usual intervals that are doubtful as one.
     const STRAY: f64 = 1000.0;
     // Seconds since 1970 have ten digits.
-    if let Some(first) = time.first().filter(|first| !is_said && base + **first > 1e11) {
+    if let Some(first) = time.first().filter(|first| !is_stated && base + **first > 1e11) {
         return Some(format!(
             "nothing says the unit of the times: {} s is more than 3000 years; are they ms, us or ns since 1970? Then \
              say it, as in --unit time=ms",
@@ -87,7 +87,7 @@ pub(super) fn doubt(time: &[f64], is_said: bool, base: f64) -> Option<String> {
     }
     // Times in µs that were computed from seconds have rounding in them: 900.0000000000001.
     let is_whole = || time.iter().all(|time| (time - time.round()).abs() <= 1e-12 * time.abs());
-    if is_said || usual < 1.0 || time.len() < if usual < 10.0 { 100 } else { 50 } || !is_whole() {
+    if is_stated || usual < 1.0 || time.len() < if usual < 10.0 { 100 } else { 50 } || !is_whole() {
         return None;
     }
     let unit = if usual < 1000.0 { "ms or us" } else { "us or ns" };

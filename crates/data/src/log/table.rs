@@ -414,12 +414,12 @@ impl<'a> Table<'a> {
                 counted(self.remarks, "row")
             ));
         }
-        let is_said = self
+        let is_stated = self
             .time_at
             .and_then(|at| self.heads.get(at))
             .is_none_or(|head| head.unit.is_some() || !matches!(head.role, Role::Time(_)));
         let doubts = self.records.iter().filter_map(|record| {
-            repeats::doubt(&self.time[record.rows.clone()], is_said, self.base.value())
+            repeats::doubt(&self.time[record.rows.clone()], is_stated, self.base.value())
         });
         notes.extend(doubts.take(1));
         if !self.base.is_none() {

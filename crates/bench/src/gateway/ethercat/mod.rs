@@ -46,7 +46,7 @@ impl EthercatGateway {
     ) -> Result<Self, GatewayError> {
         let data = data.clone();
         let heartbeat = heartbeat(&data);
-        let (tell, told) = mpsc::channel();
+        let (tell, commanded) = mpsc::channel();
         let bridge = DeviceGateway::open(
             &format!("ethercat://{name}"),
             "check cable, power and [ethercat] in the plan",
@@ -59,7 +59,7 @@ impl EthercatGateway {
                 Ok(Box::new(device))
             },
         )?;
-        let devices = told.try_recv().unwrap_or_default();
+        let devices = commanded.try_recv().unwrap_or_default();
         Ok(EthercatGateway { bridge, devices })
     }
 

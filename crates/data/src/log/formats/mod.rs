@@ -99,8 +99,8 @@ impl Format {
         options.check(origin)?;
         let refuse = |(rule, way_out): Refusal| Problems::from(Problem::new(origin, rule, way_out));
         let size = std::fs::metadata(path).map_err(|error| refuse(broken("a file", error)))?.len();
-        let is_said = |dataset: &Dataset| dataset.rate.is_some() || dataset.time_column.is_some();
-        let is_timed = options.rate.is_some() || datasets.iter().any(is_said);
+        let is_stated = |dataset: &Dataset| dataset.rate.is_some() || dataset.time_column.is_some();
+        let is_timed = options.rate.is_some() || datasets.iter().any(is_stated);
         // Parsers are other people's; a damaged file must not end the program.
         let found = std::panic::catch_unwind(|| {
             (self.read)(path, &mut Budget::new(size, options.memory), is_timed)

@@ -39,11 +39,11 @@ pub(super) fn read(path: &Path, budget: &mut Budget, _: bool) -> Result<Found, R
             b"data" => {
                 let format = format.ok_or_else(|| broken("its values come before their format"))?;
                 // What is recorded without an end says no size, or none yet.
-                let said = match size {
+                let stated = match size {
                     0 | UNKNOWN => long.filter(|_| size == UNKNOWN),
                     size => Some(u64::from(size)),
                 };
-                return format.values(content, said, budget);
+                return format.values(content, stated, budget);
             }
             _ => {}
         }
@@ -108,18 +108,18 @@ impl Format {
     fn values(
         self,
         content: &[u8],
-        said: Option<u64>,
+        stated: Option<u64>,
         budget: &mut Budget,
     ) -> Result<Found, Refusal> {
         let there = content.len() as u64;
-        let bytes = said.map_or(there, |said| said.min(there)) as usize;
+        let bytes = stated.map_or(there, |stated| stated.min(there)) as usize;
         let frame = self.channels * self.width;
         let rows = bytes / frame;
         let mut found = Found::default();
-        if let Some(said) = said.filter(|said| *said > there) {
+        if let Some(stated) = stated.filter(|stated| *stated > there) {
             found.notes.push(format!(
                 "the file is cut off: {rows} of {} frames are there and read",
-                said / frame as u64
+                stated / frame as u64
             ));
         }
         if !self.is_float {

@@ -53,12 +53,12 @@ pub unsafe extern "C" fn fmi3DoStep(
 ) -> fmi3Status {
     let answers = [eventHandlingNeeded, terminateSimulation, earlyReturn];
     let (time, step) = (currentCommunicationPoint, communicationStepSize);
-    let is_told = !lastSuccessfulTime.is_null()
+    let is_reported = !lastSuccessfulTime.is_null()
         && lastSuccessfulTime.is_aligned()
         && answers.iter().all(|answer| !answer.is_null());
     // SAFETY: the contract of all functions here, and the caller's room for one value each.
     unsafe {
-        if is_told && guard::affine_step(instance, time, step) {
+        if is_reported && guard::affine_step(instance, time, step) {
             answers.iter().for_each(|answer| answer.write(fmi3False));
             lastSuccessfulTime.write(time + step);
             return fmi3OK;

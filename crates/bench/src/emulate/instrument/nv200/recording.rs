@@ -22,40 +22,40 @@ fn within<T: std::str::FromStr + PartialOrd>(word: &str, least: T, most: T) -> R
 impl Nv200Instrument {
     /// A command or a question of these.
     pub(super) fn record(&mut self, name: &str, values: &[&str]) -> Answer {
-        let told = |value: String| Ok(format!("{name},{value}\r\n"));
+        let reply = |value: String| Ok(format!("{name},{value}\r\n"));
         let generator = &self.stage.generators[0];
         let recorder = &self.stage.recorder;
         match (name, values) {
-            ("grun", []) => told(u8::from(generator.is_running()).to_string()),
-            ("gsarb", []) => told(self.range[0].to_string()),
-            ("gearb", []) => told(self.range[1].to_string()),
-            ("goarb", []) => told(generator.first.to_string()),
-            ("gcarb", []) => told(generator.cycles.to_string()),
-            ("gtarb", []) => told(generator.hold.to_string()),
-            ("giarb", []) => told((self.range[0] + generator.index()).to_string()),
+            ("grun", []) => reply(u8::from(generator.is_running()).to_string()),
+            ("gsarb", []) => reply(self.range[0].to_string()),
+            ("gearb", []) => reply(self.range[1].to_string()),
+            ("goarb", []) => reply(generator.first.to_string()),
+            ("gcarb", []) => reply(generator.cycles.to_string()),
+            ("gtarb", []) => reply(generator.hold.to_string()),
+            ("giarb", []) => reply((self.range[0] + generator.index()).to_string()),
             ("gbarb", [index]) => {
                 let index = within(index, 0, POINTS - 1)?;
-                told(format!("{index},{}", self.wave[index]))
+                reply(format!("{index},{}", self.wave[index]))
             }
             ("recsrc", [channel]) => {
                 let channel = within(channel, 0, 1)?;
-                told(format!("{channel},{}", number_of(recorder.sources[channel].1)))
+                reply(format!("{channel},{}", number_of(recorder.sources[channel].1)))
             }
-            ("recast", []) => told(self.autostart.to_string()),
-            ("recstr", []) => told(recorder.every.to_string()),
-            ("reclen", []) => told(recorder.length.to_string()),
-            ("recrun", []) => told(u8::from(recorder.is_running()).to_string()),
-            ("recidx", []) => told(recorder.tables[0].len().to_string()),
+            ("recast", []) => reply(self.autostart.to_string()),
+            ("recstr", []) => reply(recorder.every.to_string()),
+            ("reclen", []) => reply(recorder.length.to_string()),
+            ("recrun", []) => reply(u8::from(recorder.is_running()).to_string()),
+            ("recidx", []) => reply(recorder.tables[0].len().to_string()),
             ("recout", [channel, first, count]) => {
                 let (channel, first) = (within(channel, 0, 1)?, within(first, 0, VALUES - 1)?);
                 let count = within(count, 1, VALUES - first)?;
                 let values = self.values(channel, first, count);
-                told(format!("{channel},{first},{}", values.join(",")))
+                reply(format!("{channel},{first},{}", values.join(",")))
             }
             ("recoutf", [channel]) => {
                 let channel = within(channel, 0, 1)?;
                 let values = self.values(channel, 0, recorder.length);
-                told(format!("{channel},{}", values.join(",")))
+                reply(format!("{channel},{}", values.join(",")))
             }
             _ => self.set_record(name, values).map(|()| String::new()),
         }
