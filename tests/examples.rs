@@ -8,8 +8,8 @@ use std::process::Command;
 
 /// Runs the script of an example with the built tool first on the PATH; returns what it printed.
 fn run(example: &str, folder: &Path) -> String {
-    let (text, reported, status) = script(example, folder);
-    assert!(status.success(), "{example} failed ({status}):\n{text}{reported}");
+    let (text, errors, status) = script(example, folder);
+    assert!(status.success(), "{example} failed ({status}):\n{text}{errors}");
     text
 }
 
@@ -18,7 +18,7 @@ fn run(example: &str, folder: &Path) -> String {
 fn run_in_time(example: &str) -> (tempfile::TempDir, String) {
     for _ in 0..2 {
         let folder = tempfile::tempdir().expect("a folder");
-        let (text, reported, status) = script(example, folder.path());
+        let (text, errors, status) = script(example, folder.path());
         let runs = text.lines().filter(|line| line.contains(" deadlines missed"));
         let missed =
             runs.map(|line| number(line, " overruns, ", "deadlines missed")).fold(0.0, f64::max);
@@ -26,9 +26,9 @@ fn run_in_time(example: &str) -> (tempfile::TempDir, String) {
             return (folder, text);
         }
         let stalled = missed >= 20.0 || text.contains("no packet came from the machine");
-        assert!(stalled, "{example} failed ({status}):\n{text}{reported}");
+        assert!(stalled, "{example} failed ({status}):\n{text}{errors}");
         println!(
-            "{example}: {missed} deadlines missed in one run, {status}: once more\n{text}{reported}"
+            "{example}: {missed} deadlines missed in one run, {status}: once more\n{text}{errors}"
         );
     }
     let folder = tempfile::tempdir().expect("a folder");
@@ -49,9 +49,9 @@ fn script(example: &str, folder: &Path) -> (String, String, std::process::ExitSt
         .env("PATH", std::env::join_paths(paths).expect("a PATH"))
         .output()
         .expect("a shell");
-    let [text, reported] =
+    let [text, errors] =
         [&output.stdout, &output.stderr].map(|b| String::from_utf8_lossy(b).into_owned());
-    (text, reported, output.status)
+    (text, errors, output.status)
 }
 
 /// The number in front of `unit` in the first line that holds `words`, behind them.

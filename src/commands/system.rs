@@ -245,9 +245,9 @@ impl System {
         let mut prepared = prepared.map_err(|error| {
             // Where all is told of with the plan's file, that is not said once more.
             let file = self.file.display().to_string();
-            let is_reported = error.to_string().lines().all(|line| line.starts_with(&file));
+            let names_the_file = error.to_string().lines().all(|line| line.starts_with(&file));
             let error = anyhow::Error::from(error);
-            if is_reported { error } else { error.context(file) }
+            if names_the_file { error } else { error.context(file) }
         })?;
         let rows = points.steps() + 1;
         let (start_s, stop_s) = (points.start(), points.stop());

@@ -50,16 +50,16 @@ pub(crate) fn environment(
     let mut make = Command::new(host);
     make.args(["-m", "venv"]).arg(&folder);
     // The environment with fmpy has pip, which fills the others, too: unpacking it takes longer than all else here.
-    let is_first = folder == target.join(FIRST) || std::env::var_os(GIVEN).is_some();
-    let mut install = if is_first {
-        run(&mut make)?;
-        Command::new(&interpreter)
-    } else {
+    let is_filled_by_another = folder != target.join(FIRST) && std::env::var_os(GIVEN).is_none();
+    let mut install = if is_filled_by_another {
         run(make.arg("--without-pip"))?;
         Command::new(python())
+    } else {
+        run(&mut make)?;
+        Command::new(&interpreter)
     };
     install.args(["-m", "pip", "--disable-pip-version-check"]);
-    if !is_first {
+    if is_filled_by_another {
         install.arg("--python").arg(&interpreter);
     }
     install

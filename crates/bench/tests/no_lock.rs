@@ -297,14 +297,14 @@ fn a_live_run_waits_for_nothing_but_its_deadlines() {
 fn a_lock_that_another_thread_holds_is_seen_as_a_wait() {
     let value = Arc::new(Mutex::new(0));
     let other = Arc::clone(&value);
-    let (tell, commanded) = std::sync::mpsc::channel();
+    let (sender, receiver) = std::sync::mpsc::channel();
     let holder = std::thread::spawn(move || {
         let held = other.lock().unwrap();
-        tell.send(()).unwrap();
+        sender.send(()).unwrap();
         std::thread::sleep(Duration::from_millis(200));
         drop(held);
     });
-    commanded.recv().unwrap();
+    receiver.recv().unwrap();
     let waits = Waits::of_this_thread();
     let before = waits.count();
     *value.lock().unwrap() += 1;

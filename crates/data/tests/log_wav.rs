@@ -26,8 +26,8 @@ fn coded(x: f64, coding: Coding) -> Vec<u8> {
     match coding {
         Coding::Integers(8) => vec![(x * 128.0 + 128.0) as u8],
         Coding::Integers(bits) => {
-            let complete = (x * 2_f64.powi(31)) as i32;
-            complete.to_le_bytes()[4 - usize::from(bits / 8)..].to_vec()
+            let integer = (x * 2_f64.powi(31)) as i32;
+            integer.to_le_bytes()[4 - usize::from(bits / 8)..].to_vec()
         }
         Coding::Floats(32) => (x as f32).to_le_bytes().to_vec(),
         Coding::Floats(_) => x.to_le_bytes().to_vec(),

@@ -448,8 +448,8 @@ fn cautions(o: &Outcome) -> Vec<String> {
 /// What a user gets who lays the repaired model over a log as it stands, where that is clearly more than the shrink
 /// says, whose records may each have an offset of its own.
 fn own_offsets(o: &Outcome) -> Option<String> {
-    let is_reported = !o.found.last.picks.is_empty();
-    let offset = o.offset.filter(|_| is_reported)?;
+    let has_effects = !o.found.last.picks.is_empty();
+    let offset = o.offset.filter(|_| has_effects)?;
     let (left, factor) = (o.sigma * o.with_effects().held_out.max(0.0).sqrt(), o.task.factor);
     (offset.as_it_stands.1 > Thresholds::OWN_OFFSETS * left).then(|| {
         format!(

@@ -401,13 +401,11 @@ pub(crate) fn forced(
     if !(frequency > 0.0 && damping > 0.0) {
         return Err(Failed);
     }
-    let Some(&first) = u.first() else { return Ok(()) };
     let kinds = forces.iter().map(surround::Acting::force);
     let forced = ForcedMode::new((frequency, damping), kinds, step);
-    let driven = (gain, first, u);
     if let &[force] = forces {
         let mut slide = 0.0;
-        under(&forced, driven, |at, goes_on| force.pull(at, &mut slide, goes_on), out);
+        under(&forced, (gain, u), |at, goes_on| force.pull(at, &mut slide, goes_on), out);
         return Ok(());
     }
     // States of the frictions.
@@ -416,17 +414,18 @@ pub(crate) fn forced(
         let all = forces.iter().zip(&mut slides);
         all.map(|(force, slide)| force.pull(at, slide, goes_on)).sum()
     };
-    under(&forced, driven, pull, out);
+    under(&forced, (gain, u), pull, out);
     Ok(())
 }
 
 /// The motion of a mode under what pulls at it, driven by `gain` times the command from rest under the first one.
 fn under(
     mode: &ForcedMode,
-    (gain, first, u): (f64, f64, &[f64]),
+    (gain, u): (f64, &[f64]),
     mut pull: impl FnMut((f64, f64, f64), bool) -> f64,
     out: &mut [f64],
 ) {
+    let Some(first) = u.first() else { return };
     let rest = ForcedMode::rest(gain * first, |at| pull(at, true));
     let mut state = [rest, 0.0, rest];
     for (n, (y, u)) in out.iter_mut().zip(u).enumerate() {

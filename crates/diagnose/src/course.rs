@@ -55,7 +55,7 @@ fn read(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Err
     // What leaves nothing is taken at once.
     let within = match within {
         Some(within) if within.is_complete() && within.is_better(&outcome) => {
-            return Ok(within.with_report_of(&outcome));
+            return Ok(within.in_place_of(&outcome));
         }
         within => within,
     };
@@ -65,7 +65,7 @@ fn read(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Err
 /// The answer with readings within the rows where it is better, or the other one.
 fn better(within: Option<Within>, outcome: Outcome) -> Outcome {
     match within.filter(|within| within.is_better(&outcome)) {
-        Some(within) => within.with_report_of(&outcome),
+        Some(within) => within.in_place_of(&outcome),
         None => outcome,
     }
 }

@@ -1,6 +1,7 @@
 //! What an amplifier lacks stands on the side of its lag where the machine has it.
 
 use crate::common::machine::{Machine, Normal, RATE};
+use crate::common::positions;
 use components::COMPONENTS;
 use data::{Blueprint, CheckedBlueprint, Log};
 use diagnose::{Model, Noise, Request, Silent, examine};
@@ -29,18 +30,9 @@ fn plant(amplifier: &[&str]) -> CheckedBlueprint {
 
 /// A log of the plant under a command.
 fn log((number, command): (usize, Vec<f64>), plant: &CheckedBlueprint) -> Log {
-    let mut system = plant.build();
-    let variables = system.variables();
-    let (u, y) = (variables.find("command[1]").unwrap(), variables.find("position[1]").unwrap());
-    system.set(u, command[0]).unwrap();
-    system.initialise(0.0).unwrap();
     let mut noise = Normal::new(number as u64 + 1);
-    let mut reading = Vec::new();
-    for (row, command) in command.iter().enumerate() {
-        reading.push(system.get(y).unwrap() + NOISE * noise.draw());
-        system.set(u, *command).unwrap();
-        system.advance((row + 1) as f64 / RATE).unwrap();
-    }
+    let mut reading = positions(plant, &command, 1.0 / RATE);
+    reading.iter_mut().for_each(|y| *y += NOISE * noise.draw());
     let time = (0..command.len()).map(|row| row as f64 / RATE).collect();
     let mut log = Log::new(&format!("{number}.csv"), time).unwrap();
     log.add_column("u", Some("V"), command).unwrap();

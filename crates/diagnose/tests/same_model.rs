@@ -1,6 +1,7 @@
 //! Models that do the same get the same diagnosis, however their blueprints spell it.
 
 use crate::common::machine::Normal;
+use crate::common::positions;
 use components::COMPONENTS;
 use data::{Blueprint, CheckedBlueprint, Log};
 use diagnose::{Gap, Model, Noise, Request, Silent, Verdict, diagnose};
@@ -32,27 +33,12 @@ fn triangles(frequency: f64) -> Vec<f64> {
     (0..rows).map(at).collect()
 }
 
-/// The positions of a plant under a command, one per row.
-fn positions(plant: &CheckedBlueprint, commands: &[f64]) -> Vec<f64> {
-    let mut system = plant.build();
-    let variables = system.variables();
-    let (u, y) = (variables.find("command[1]").unwrap(), variables.find("position[1]").unwrap());
-    system.initialise(0.0).unwrap();
-    let mut all = Vec::new();
-    for (n, command) in commands.iter().enumerate() {
-        all.push(system.get(y).unwrap());
-        system.set(u, *command).unwrap();
-        system.advance((n + 1) as f64 * STEP).unwrap();
-    }
-    all
-}
-
 /// The logs of a machine.
 fn logs(machine: &CheckedBlueprint) -> Vec<Log> {
     let mut noise = Normal::new(7);
     let log = |frequency: f64| {
         let commands = triangles(frequency);
-        let mut noisy = positions(machine, &commands);
+        let mut noisy = positions(machine, &commands, STEP);
         noisy.iter_mut().for_each(|y| *y += NOISE * noise.draw());
         let time = (0..commands.len()).map(|n| n as f64 * STEP).collect();
         let mut log = Log::new(&format!("{frequency} Hz.csv"), time).unwrap();
@@ -83,7 +69,7 @@ fn a_dead_zone_that_is_never_reached_changes_no_diagnosis() {
         MODE,
     );
     let commands = triangles(2.0);
-    assert_eq!(positions(&plain, &commands), positions(&zones, &commands));
+    assert_eq!(positions(&plain, &commands, STEP), positions(&zones, &commands, STEP));
     let machine = plant(
         "type = \"rate-dependent-play\"\nr = [4, 10, 20, 35]\nw = [0.012, 0.01, 0.012, 0.015]\n\
          gain = 0.05\nrate = 1e-3\n",

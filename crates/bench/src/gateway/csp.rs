@@ -159,11 +159,11 @@ mod tests {
     #[test]
     fn a_drive_comes_up_takes_over_slowly_and_goes_down() {
         let mut drive = Drive::default();
-        let mut reported = Vec::new();
+        let mut controlwords = Vec::new();
         for word in [0x0250, 0x0231, 0x0233, 0x0237] {
-            reported.push(drive.turn(true, word, Some(MODE)).controlword);
+            controlwords.push(drive.turn(true, word, Some(MODE)).controlword);
         }
-        assert_eq!(reported, [0x06, 0x07, 0x0f, 0x0f]);
+        assert_eq!(controlwords, [0x06, 0x07, 0x0f, 0x0f]);
         let shares: Vec<f64> =
             (0..150).map(|_| drive.turn(true, 0x0237, Some(MODE)).share).collect();
         assert!(shares.windows(2).all(|pair| (0.0..=0.0101).contains(&(pair[1] - pair[0]))));

@@ -236,25 +236,25 @@ mod thread {
             let stop = Arc::new(AtomicBool::new(false));
             let failure = Arc::new(OnceLock::new());
             let (flag, first, safe) = (Arc::clone(&stop), Arc::clone(&failure), safe.to_vec());
-            let (tell, commanded) = mpsc::channel();
+            let (sender, receiver) = mpsc::channel();
             let (alive, ended) = mpsc::channel();
             let work = move || {
                 let _alive: mpsc::Sender<()> = alive;
                 match make() {
                     Ok(mut device) => {
-                        let _ = tell.send(Ok(device.describe()));
+                        let _ = sender.send(Ok(device.describe()));
                         let _ = become_realtime();
                         let ns = heartbeat.as_nanos() as u64;
                         let bridge = Bridge::new(device, &safe, ns, now_ns());
                         serve(bridge, &machine, heartbeat, &flag, &first);
                     }
                     Err(error) => {
-                        let _ = tell.send(Err(error));
+                        let _ = sender.send(Err(error));
                     }
                 }
             };
             std::thread::Builder::new().name("device".to_owned()).spawn(work).map_err(trouble)?;
-            let answer = commanded.recv_timeout(OPENS).unwrap_or_else(|error| {
+            let answer = receiver.recv_timeout(OPENS).unwrap_or_else(|error| {
                 Err(match error {
                     mpsc::RecvTimeoutError::Timeout => "it does not answer".to_owned(),
                     mpsc::RecvTimeoutError::Disconnected => "its thread ended".to_owned(),

@@ -227,7 +227,7 @@ const DRIVE: &str = "[[channel]]\noutput = { device = 0, byte = 2, type = \"i32\
     csp = { controlword = 0, mode = 6, statusword = 0, mode_display = 6 }\n";
 
 /// The drive's state machine as the standard draws it, and every statusword that it told.
-fn obeys(commanded: Arc<Mutex<Vec<u16>>>) -> impl FnMut(&mut [SubDevice]) + Send {
+fn obeys(controlwords: Arc<Mutex<Vec<u16>>>) -> impl FnMut(&mut [SubDevice]) + Send {
     let (mut status, mut position, mut last) = (0x0250_u16, 5000_i32, 0_u16);
     move |devices| {
         let outputs = devices[0].outputs().to_vec();
@@ -252,7 +252,7 @@ fn obeys(commanded: Arc<Mutex<Vec<u16>>>) -> impl FnMut(&mut [SubDevice]) + Send
             }
         }
         last = control;
-        commanded.lock().unwrap().push(status);
+        controlwords.lock().unwrap().push(status);
         let inputs = devices[0].inputs();
         inputs[..2].copy_from_slice(&status.to_le_bytes());
         inputs[2..6].copy_from_slice(&position.to_le_bytes());
@@ -262,10 +262,10 @@ fn obeys(commanded: Arc<Mutex<Vec<u16>>>) -> impl FnMut(&mut [SubDevice]) + Send
 
 #[test]
 fn a_drive_in_cyclic_synchronous_position_mode_is_led_and_follows_without_a_jump() {
-    let commanded = Arc::new(Mutex::new(Vec::new()));
+    let controlwords = Arc::new(Mutex::new(Vec::new()));
     let wire = MemoryWire::new(
         vec![SubDevice::new("E-727", 7, 7)],
-        Box::new(obeys(Arc::clone(&commanded))),
+        Box::new(obeys(Arc::clone(&controlwords))),
     );
     let ring = Arc::clone(&wire.ring);
     let data: ProcessData = toml::from_str(&format!("heartbeat = 5.0\n{DRIVE}")).unwrap();
@@ -280,7 +280,7 @@ fn a_drive_in_cyclic_synchronous_position_mode_is_led_and_follows_without_a_jump
                 || values[0] == 0.0
         );
     }
-    assert_eq!(*commanded.lock().unwrap().last().unwrap(), 0x0231, "ready to switch on");
+    assert_eq!(*controlwords.lock().unwrap().last().unwrap(), 0x0231, "ready to switch on");
     // Enabled: it comes up, and goes to the command within its take-over.
     let mut positions = Vec::new();
     for _ in 0..160 {
@@ -291,7 +291,7 @@ fn a_drive_in_cyclic_synchronous_position_mode_is_led_and_follows_without_a_jump
     assert!((positions[159] - 12.0).abs() < 1e-3, "{positions:?}");
     assert!(positions.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.2), "{positions:?}");
     let states: Vec<u16> = {
-        let mut all = commanded.lock().unwrap().clone();
+        let mut all = controlwords.lock().unwrap().clone();
         all.dedup();
         all
     };
@@ -386,10 +386,10 @@ fn real_terminals_are_brought_up_as_they_were_when_they_were_recorded() {
     let text = "[[channel]]\noutput = { device = 1, byte = 0, type = \"u16\" }\n\
                 input = { device = 1, byte = 0, type = \"u8\" }\n";
     let data: ProcessData = toml::from_str(text).unwrap();
-    let commanded =
+    let described =
         EthercatGateway::over(Box::new(replay), "test", &data, &[0.0; 2]).unwrap_err().to_string();
-    println!("{commanded}; {} of {total} frames", replayed(&progress));
-    assert!(commanded.contains("EL2828") && commanded.contains("0 bytes of inputs"), "{commanded}");
+    println!("{described}; {} of {total} frames", replayed(&progress));
+    assert!(described.contains("EL2828") && described.contains("0 bytes of inputs"), "{described}");
     assert_eq!(replayed(&progress) + 64, total, "all but the exchanges");
 }
 

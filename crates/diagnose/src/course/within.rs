@@ -176,7 +176,7 @@ impl Within {
     }
 
     /// The answer, and what to say of it in place of another.
-    pub(super) fn with_report_of(self, other: &Outcome) -> Outcome {
+    pub(super) fn in_place_of(self, other: &Outcome) -> Outcome {
         let Self { mut outcome, row } = self;
         let output = &outcome.task.output;
         let ratio = (other.left() / outcome.left()).sqrt();

@@ -49,7 +49,7 @@ fn delay(s: &Setting<'_>) -> Family {
     let is_still = |values: &Vec<f64>| values.windows(2).all(|w| w[0] == w[1]);
     let is_alone = s.data.records.iter().all(|record| record.others.iter().all(is_still));
     let slot = if s.base.is_white || !is_alone { Slot::Command } else { Slot::Reading };
-    let complete = Formula::new("transport delay");
+    let transport = Formula::new("transport delay");
     // In parts of a row the command of a model in steps of a row is a mean, to which it does not quite answer so.
     if let Some(parts) = s.data.within.filter(|_| s.base.is_white || is_alone) {
         let block = RecordBlock::Instant { parts, is_late: false };
@@ -63,10 +63,10 @@ fn delay(s: &Setting<'_>) -> Family {
         );
         family
             .formulas
-            .push(complete.block(slot, Block::Delay, vec![time]).starts(starts(&rows)).stand_in());
+            .push(transport.block(slot, Block::Delay, vec![time]).starts(starts(&rows)).stand_in());
         return family;
     }
-    let constant = complete.block(slot, Block::Delay, vec![time]).starts(starts(&rows));
+    let constant = transport.block(slot, Block::Delay, vec![time]).starts(starts(&rows));
     instants(&effects::DELAY, constant, "transport delay that swings", s)
 }
 

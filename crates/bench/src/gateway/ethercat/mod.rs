@@ -46,7 +46,7 @@ impl EthercatGateway {
     ) -> Result<Self, GatewayError> {
         let data = data.clone();
         let heartbeat = heartbeat(&data);
-        let (tell, commanded) = mpsc::channel();
+        let (sender, receiver) = mpsc::channel();
         let bridge = DeviceGateway::open(
             &format!("ethercat://{name}"),
             "check cable, power and [ethercat] in the plan",
@@ -55,11 +55,11 @@ impl EthercatGateway {
             move || -> Result<Box<dyn Device>, String> {
                 let device = SegmentDevice::open(wire, data)?;
                 let devices = device.segment.as_ref().map(|segment| segment.devices().to_vec());
-                let _ = tell.send(devices.unwrap_or_default());
+                let _ = sender.send(devices.unwrap_or_default());
                 Ok(Box::new(device))
             },
         )?;
-        let devices = commanded.try_recv().unwrap_or_default();
+        let devices = receiver.try_recv().unwrap_or_default();
         Ok(EthercatGateway { bridge, devices })
     }
 

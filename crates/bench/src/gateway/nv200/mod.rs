@@ -216,7 +216,7 @@ impl Nv200Device {
                 break;
             }
         }
-        reported(&text, name)?;
+        accepted(&text, name)?;
         let (answered, value) = text.split_once(',').unwrap_or((&text, ""));
         let asked = name.split(',').next().unwrap_or_default();
         if answered.trim() != asked || value.is_empty() {
@@ -235,7 +235,7 @@ impl Nv200Device {
     fn command(&mut self, text: &str) -> Result<(), Broken> {
         self.write(text)?;
         let answer = self.until(XON, self.options.timeout)?;
-        reported(&answer, text)?;
+        accepted(&answer, text)?;
         if answer.is_empty() {
             Ok(())
         } else {
@@ -280,7 +280,7 @@ fn explained(broken: Broken) -> String {
 }
 
 /// Whether an answer is an error.
-fn reported(answer: &str, command: &str) -> Result<(), Broken> {
+fn accepted(answer: &str, command: &str) -> Result<(), Broken> {
     let Some(code) = answer.trim().strip_prefix("error") else { return Ok(()) };
     let code = code.trim_start_matches(',').trim();
     let text = match code {

@@ -352,7 +352,10 @@ fn an_effect_beside_others_gives_way_to_what_is_more_probable_beside_the_same() 
     assert_eq!(named.picks, [(1, 0), (2, 0)]);
     let families = |looked: &[Looked]| looked.iter().map(|l| l.family).collect::<Vec<_>>();
     assert_eq!(families(&rivals[1]), [0, 2], "the list goes with its effect");
-    // Rivals beside another formula of the second are no answer.
+    // Rivals that stand alone are no answer, nor are those beside another formula of the second.
+    let alone = alike(&figures, &[(0, -100.0, 9), (2, -98.0, 4), (1, -99.0, 1)]);
+    let kept = search.most_probable(&sight, &mut vec![alone.clone(), alone], pair.clone());
+    assert_eq!(kept.picks, [(0, 0), (1, 0)]);
     let mut rivals = vec![beside((1, 1)), first];
     assert_eq!(search.most_probable(&sight, &mut rivals, pair).picks, [(0, 0), (1, 0)]);
 }
