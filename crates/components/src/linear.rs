@@ -12,6 +12,13 @@ pub fn lag_fraction(bandwidth: f64, period: f64) -> f64 {
     -expm1(-TAU * bandwidth * period)
 }
 
+/// The part of the way to its input that a first-order lag of this time constant goes in one period, both in s:
+/// `1 − exp(−period/time_constant)`.
+#[must_use]
+pub fn approach(time_constant: f64, period: f64) -> f64 {
+    -expm1(-period / time_constant)
+}
+
 /// The transition of `e″ + 2ζω e′ + ω² e = 0` over one period, for the state `(e, e′/ω)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {

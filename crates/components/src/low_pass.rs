@@ -45,6 +45,7 @@ impl Component for LowPass {
         Ok(())
     }
 
+    #[inline]
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[a, b, c, d], &[u], Ok(state), [y]) =
             (coefficients, inputs, state.try_into(), outputs)
@@ -54,6 +55,7 @@ impl Component for LowPass {
         *y = SecondOrder::of([a, b, c, d]).rest(u, state);
     }
 
+    #[inline]
     fn step(
         &self,
         coefficients: &[f64],

@@ -211,7 +211,7 @@ pub(crate) fn scale_of(o: &Outcome, unit: &str) -> f64 {
     match unit {
         "{command}" | "{command}/s" => u,
         "{position}" => y,
-        "{position}/{command}" => y / u,
+        "{position}/{command}" | "{position}.s/{command}" => y / u,
         _ => 1.0,
     }
 }

@@ -2,14 +2,23 @@
 //!
 //! A block starts at rest under its first value. A value is what is held over the step that ends
 //! now; steps may differ in length.
+//!
+//! Where a component does the same, the component itself steps ([`Kernel::components`]), and is what a diagnosis
+//! hands back. The other blocks are no components: formulas that are fitted and never handed back, differences to what
+//! the original already does, and those that need a time that does not count steps (delay, ageing).
 
+use components::amplifier::{AmplifierClamp, AmplifierSlew};
 use components::hysteresis::{LaggingPlay, RateDependentPlay};
+use components::mechanics::{Backlash, CollocatedMode, MODE};
+use components::sensor::{Crosstalk, SensorLag, SensorPolynomial};
+use model::Component;
 use serde::{Deserialize, Serialize};
 
+use crate::component::{Own, Series};
 use crate::kernel::{Banked, Count, Kernel, Stepping, WrongCount, each, exactly};
-use crate::linear::{self, Added, BeforeMode, Creep, Delay, Element, Lags, Mode};
+use crate::linear::{self, Auxiliary, BeforeMode, Creep, Delay, Element, Mode};
 use crate::map;
-use crate::mechanics::{Backlash, Dahl, Force, Forced};
+use crate::mechanics::{Dahl, Force, Forced};
 use crate::memory::{self, BoucWen};
 use crate::operator::Operator;
 use crate::rated::{self, Growth, Smoothed};
@@ -285,9 +294,21 @@ impl Block {
         ) -> Result<Kernel, WrongCount> {
             Ok(Kernel::new(Banked { bank, elements }, dt))
         }
+        /// A component with these values.
+        fn own<C: Component, const P: usize, const K: usize, const N: usize>(
+            component: &'static C,
+            values: [f64; P],
+            dt: f64,
+        ) -> Result<Kernel, WrongCount> {
+            Ok(Kernel::new(Own::<C, P, K, N>::new(component, values), dt))
+        }
+        /// A mode of unit gain.
+        fn mode(frequency: f64, damping: f64, dt: f64) -> Kernel {
+            Kernel::new(Own::<_, 3, 4, 2>::new(&MODE, [frequency, damping, 1.0]), dt)
+        }
         /// A component that earlier versions wrote by another name.
         fn earlier(
-            component: &'static dyn model::Component,
+            component: &'static dyn Component,
             memory: &Memory,
             p: &[f64],
             dt: f64,
@@ -306,11 +327,11 @@ impl Block {
                 exactly(p).map(|p| map::missing_codes(*half, *every, *missing, p))
             }
             Self::Lag { order } => exactly(p).map(|[bandwidth]| {
-                Kernel::new(Lags { order: *order, bandwidth, fraction: 0.0 }, dt)
+                let lag: Own<_, 1, 1, 1> = Own::new(&SensorLag, [bandwidth]);
+                Kernel::new(Series(vec![lag; *order]), dt)
             }),
             Self::SecondOrder => {
-                let [frequency, damping] = exactly(p)?;
-                stepping(Mode::new(frequency, damping), dt)
+                exactly(p).map(|[frequency, damping]| mode(frequency, damping, dt))
             }
             Self::BeforeMode { frequency, damping } => {
                 let [] = exactly(p)?;
@@ -318,26 +339,32 @@ impl Block {
             }
             Self::Mode { frequency, damping } => {
                 let [] = exactly(p)?;
-                stepping(Mode::new(*frequency, *damping), dt)
+                Ok(mode(*frequency, *damping, dt))
             }
             Self::ForcedMode { frequency, damping, force, far } => {
                 stepping(Forced::new(*frequency, *damping, force.acting(p, *far)?), dt)
             }
-            Self::Slew => {
-                let [rate] = exactly(p)?;
-                stepping(linear::Slew { rates: [rate; 2], most: [0.0; 2] }, dt)
-            }
+            Self::Slew => own::<_, 1, 1, 1>(&AmplifierSlew, exactly(p)?, dt),
             Self::UnevenSlew => {
                 let [rate, ratio] = exactly(p)?;
-                stepping(linear::Slew { rates: [ratio * rate, rate], most: [0.0; 2] }, dt)
+                stepping(linear::UnevenSlew { rates: [ratio * rate, rate], ways: [0.0; 2] }, dt)
             }
             Self::SoftSlew => {
                 let [rate, bandwidth] = exactly(p)?;
                 stepping(linear::SoftSlew { rate, bandwidth, step: [0.0; 2] }, dt)
             }
-            Self::LimitAbove => exactly(p).map(|[limit]| map::limit_above(limit)),
-            Self::LimitBelow => exactly(p).map(|[limit]| map::limit_below(limit)),
-            Self::Limits { centre } => exactly(p).map(|[half]| map::limits(*centre, half)),
+            Self::LimitAbove => {
+                let [high] = exactly(p)?;
+                own::<_, 3, 3, 0>(&AmplifierClamp, [f64::NEG_INFINITY, high, 0.0], dt)
+            }
+            Self::LimitBelow => {
+                let [low] = exactly(p)?;
+                own::<_, 3, 3, 0>(&AmplifierClamp, [low, f64::INFINITY, 0.0], dt)
+            }
+            Self::Limits { centre } => {
+                let [half] = exactly(p)?;
+                own::<_, 3, 3, 0>(&AmplifierClamp, [centre - half, centre + half, 0.0], dt)
+            }
             Self::SoftLimitAbove => {
                 exactly(p).map(|[limit, width]| map::soft_limit_above(limit, width))
             }
@@ -358,7 +385,13 @@ impl Block {
             Self::Polynomial(_) if p.is_empty() => {
                 Err(WrongCount { given: 0, wanted: Count::OneOrMore })
             }
-            Self::Polynomial(span) => Ok(map::polynomial(*span, p.to_vec())),
+            Self::Polynomial(span) => match *p {
+                [square, cubic] => {
+                    let values = [square, cubic, span.centre, span.half];
+                    own::<_, 4, 4, 0>(&SensorPolynomial, values, dt)
+                }
+                _ => Ok(map::polynomial(*span, p.to_vec())),
+            },
             Self::Sine(span) => exactly(p).map(|p| map::sine(*span, p)),
             Self::Creep
             | Self::LogCreep { .. }
@@ -441,14 +474,18 @@ impl Block {
                 let [gain, frequency, damping] = exactly(p)?;
                 stepping(linear::ParallelMode { gain, mode: Mode::new(frequency, damping) }, dt)
             }
-            Self::PoleZero => stepping(linear::PoleZero::new(exactly(p)?), dt),
+            Self::PoleZero => {
+                let [pole, damping, ratio, zero_damping] = exactly(p)?;
+                let values = [pole, damping, pole * ratio, zero_damping];
+                own::<_, 4, 5, 2>(&CollocatedMode, values, dt)
+            }
             Self::Backlash => {
                 let [half] = exactly(p)?;
-                stepping(Backlash { half, bridge: 0.0 }, dt)
+                own::<_, 2, 2, 1>(&Backlash, [2.0 * half, 0.0], dt)
             }
             Self::BridgedBacklash => {
                 let [half, bridge] = exactly(p)?;
-                stepping(Backlash { half, bridge }, dt)
+                own::<_, 2, 2, 1>(&Backlash, [2.0 * half, bridge], dt)
             }
             Self::Dahl => {
                 let [size, distance] = exactly(p)?;
@@ -462,7 +499,7 @@ impl Block {
                 };
                 // The rate's weight is that of a lead of one millisecond.
                 let rate = 1e-3 * rate;
-                stepping(Added::<false> { value, rate, zero: *zero, scale: *scale, dt }, dt)
+                stepping(Auxiliary { value, rate, zero: *zero, scale: *scale, dt }, dt)
             }
             Self::LaggedAuxiliary { scale, zero } => {
                 let [value, bandwidth] = exactly(p)?;
@@ -476,8 +513,7 @@ impl Block {
             }
             Self::FeedThrough { scale, time } => {
                 let [value, rate] = exactly(p)?;
-                let rate = rate * time;
-                stepping(Added::<true> { value, rate, zero: 0.0, scale: *scale, dt }, dt)
+                own::<_, 2, 2, 1>(&Crosstalk, [value / scale, rate * time / scale], dt)
             }
         }
     }

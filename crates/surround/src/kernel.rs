@@ -6,6 +6,7 @@
 
 use std::fmt;
 
+use crate::component::Stepped;
 use crate::state::State;
 
 /// What a block reads at one instant.
@@ -42,7 +43,7 @@ impl<'a> Signals<'a> {
         all.map(|((x, drive), aux)| Wires { x: *x, drive: *drive, aux: *aux })
     }
 
-    fn split_first(self) -> Option<(Wires, Self)> {
+    pub(crate) fn split_first(self) -> Option<(Wires, Self)> {
         let ((x, xs), (drive, drives)) = (self.x.split_first()?, self.drive.split_first()?);
         let (aux, auxs) = self.aux.split_first()?;
         Some((Wires { x: *x, drive: *drive, aux: *aux }, Self { x: xs, drive: drives, aux: auxs }))
@@ -153,6 +154,12 @@ impl Kernel {
         self.law.map(x)
     }
 
+    /// The components that it steps one after the other; none where the block is none.
+    #[must_use]
+    pub fn components(&self) -> Vec<Stepped<'_>> {
+        self.law.components()
+    }
+
     /// Whether the state is one of this kernel.
     #[must_use]
     pub fn fits(&self, state: &State) -> bool {
@@ -188,6 +195,10 @@ pub(crate) trait Law: Send + Sync {
     }
     fn map(&self, _x: f64) -> Option<f64> {
         None
+    }
+    /// Components that it consists of.
+    fn components(&self) -> Vec<Stepped<'_>> {
+        Vec::new()
     }
     fn boxed(&self) -> Box<dyn Law>;
 }

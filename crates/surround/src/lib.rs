@@ -13,6 +13,7 @@
 //! factors of the original's units stand at its ports.
 
 mod block;
+mod component;
 mod kernel;
 mod linear;
 mod map;
@@ -29,6 +30,7 @@ mod tangent;
 mod warmth;
 
 pub use block::Block;
+pub use component::Stepped;
 pub use kernel::{Count, Kernel, Signals, Wires, WrongCount, exactly};
 pub use linear::time_of;
 pub use map::code;

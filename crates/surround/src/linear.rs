@@ -1,16 +1,11 @@
 //! Linear effects: delay, lags, modes, creep, gains, feed-through.
 
-use components::hysteresis::play::between;
-use components::linear::{SecondOrder, Transition, lag_fraction};
-use libm::{expm1, log10, pow};
+use components::amplifier::slewed;
+use components::linear::{SecondOrder, Transition, approach, lag_fraction};
+use libm::{log10, pow};
 
 use crate::kernel::{Bank, Law, Signals, Step, Wires};
 use crate::state::{State, past};
-
-/// The part of the way to its input that a first-order lag of this time constant goes in a step, both in s.
-pub(crate) fn approach(time: f64, dt: f64) -> f64 {
-    -expm1(-dt / time)
-}
 
 /// `x(t − T)`, straight lines between the steps. State: what is not older than T.
 #[derive(Clone)]
@@ -65,54 +60,7 @@ impl Law for Delay {
     }
 }
 
-/// Equal first-order lags in series. State: the output of each.
-#[derive(Clone)]
-pub(crate) struct Lags {
-    pub(crate) order: usize,
-    /// In Hz.
-    pub(crate) bandwidth: f64,
-    pub(crate) fraction: f64,
-}
-
-impl Law for Lags {
-    fn set_step(&mut self, dt: f64) {
-        self.fraction = lag_fraction(self.bandwidth, dt);
-    }
-
-    fn rest(&self, w: Wires, state: &mut State) -> f64 {
-        state.z.resize(self.order, w.x);
-        w.x
-    }
-
-    fn step(&self, w: Wires, _t: f64, state: &mut State) -> f64 {
-        state.z.iter_mut().fold(w.x, |x, z| {
-            *z += self.fraction * (x - *z);
-            *z
-        })
-    }
-
-    fn run(&self, signals: Signals<'_>, _dt: f64, out: &mut [f64]) {
-        out.iter_mut().zip(signals.x).for_each(|(y, x)| *y = *x);
-        for _ in 0..self.order {
-            let Some((first, out)) = out.split_first_mut() else { return };
-            let mut z = *first;
-            for y in out {
-                z += self.fraction * (*y - z);
-                *y = z;
-            }
-        }
-    }
-
-    fn states(&self) -> usize {
-        self.order
-    }
-
-    fn boxed(&self) -> Box<dyn Law> {
-        Box::new(self.clone())
-    }
-}
-
-/// A mode of unit gain. State: position, and rate over the natural frequency.
+/// A mode of unit gain beside others of a path. State: position, and rate over the natural frequency.
 #[derive(Clone)]
 pub(crate) struct Mode {
     frequency: f64,
@@ -126,23 +74,8 @@ impl Mode {
         Self { frequency, damping, law: SecondOrder::of([1.0, 0.0, 1.0, 1.0]) }
     }
 
-    fn prepare(&mut self, dt: f64) {
-        self.law = SecondOrder::new(self.frequency, self.damping, 1.0, dt);
-    }
-}
-
-impl Step<2> for Mode {
     fn set_step(&mut self, dt: f64) {
-        self.prepare(dt);
-    }
-
-    fn rest(&self, w: Wires) -> ([f64; 2], f64) {
-        ([w.x, 0.0], w.x)
-    }
-
-    #[inline]
-    fn step(&self, w: Wires, _t: f64, z: &mut [f64; 2]) -> f64 {
-        self.law.step(w.x, z)
+        self.law = SecondOrder::new(self.frequency, self.damping, 1.0, dt);
     }
 }
 
@@ -194,50 +127,16 @@ pub(crate) struct ParallelMode {
 
 impl Step<2> for ParallelMode {
     fn set_step(&mut self, dt: f64) {
-        self.mode.prepare(dt);
+        self.mode.set_step(dt);
     }
 
     fn rest(&self, w: Wires) -> ([f64; 2], f64) {
-        self.mode.rest(w)
+        ([w.x, 0.0], w.x)
     }
 
     #[inline]
     fn step(&self, w: Wires, _t: f64, z: &mut [f64; 2]) -> f64 {
         w.x + self.gain * (self.mode.law.step(w.x, z) - w.x)
-    }
-}
-
-/// `(s² + 2ζ_z ω_z s + ω_z²)/(s² + 2ζ_p ω_p s + ω_p²) · ω_p²/ω_z²`: with the mode M of unit gain of the poles and
-/// k = ω_p/ω_z it is `k²·x + (1 − k²)·M + 2k(ζ_z − kζ_p)·M′/ω_p`.
-#[derive(Clone)]
-pub(crate) struct PoleZero {
-    mode: Mode,
-    direct: f64,
-    rate: f64,
-}
-
-impl PoleZero {
-    /// The pole in Hz, its damping, zero over pole, its damping.
-    pub(crate) fn new([pole, damping, ratio, zero_damping]: [f64; 4]) -> Self {
-        let k = 1.0 / ratio;
-        let rate = 2.0 * k * (zero_damping - k * damping);
-        Self { mode: Mode::new(pole, damping), direct: k * k, rate }
-    }
-}
-
-impl Step<2> for PoleZero {
-    fn set_step(&mut self, dt: f64) {
-        self.mode.prepare(dt);
-    }
-
-    fn rest(&self, w: Wires) -> ([f64; 2], f64) {
-        self.mode.rest(w)
-    }
-
-    #[inline]
-    fn step(&self, w: Wires, _t: f64, z: &mut [f64; 2]) -> f64 {
-        let position = self.mode.law.step(w.x, z);
-        self.direct * w.x + (1.0 - self.direct) * position + self.rate * z[1]
     }
 }
 
@@ -311,15 +210,15 @@ fn grid(shortest: f64, longest: f64) -> impl Iterator<Item = f64> {
 
 /// Slope limits down and up in the path's unit per second. State: the output.
 #[derive(Clone)]
-pub(crate) struct Slew {
+pub(crate) struct UnevenSlew {
     pub(crate) rates: [f64; 2],
     /// Greatest ways in a step.
-    pub(crate) most: [f64; 2],
+    pub(crate) ways: [f64; 2],
 }
 
-impl Step<1> for Slew {
+impl Step<1> for UnevenSlew {
     fn set_step(&mut self, dt: f64) {
-        self.most = self.rates.map(|rate| rate * dt);
+        self.ways = self.rates.map(|rate| rate * dt);
     }
 
     fn rest(&self, w: Wires) -> ([f64; 1], f64) {
@@ -328,8 +227,7 @@ impl Step<1> for Slew {
 
     #[inline]
     fn step(&self, w: Wires, _t: f64, [z]: &mut [f64; 1]) -> f64 {
-        let [down, up] = self.most;
-        *z += between(-down, up, w.x - *z);
+        *z = slewed(*z, w.x, self.ways);
         *z
     }
 }
@@ -398,9 +296,9 @@ impl Step<0> for AgeingGain {
     }
 }
 
-/// `x + (a·(s − zero) + b·s′)/scale` of a signal s: the drive or an auxiliary one. State: s before.
+/// `x + (a·(s − zero) + b·s′)/scale` of an auxiliary signal s. State: s before.
 #[derive(Clone)]
-pub(crate) struct Added<const DRIVE: bool> {
+pub(crate) struct Auxiliary {
     pub(crate) value: f64,
     /// In s.
     pub(crate) rate: f64,
@@ -409,28 +307,26 @@ pub(crate) struct Added<const DRIVE: bool> {
     pub(crate) dt: f64,
 }
 
-impl<const DRIVE: bool> Added<DRIVE> {
+impl Auxiliary {
     #[inline]
     fn at(&self, w: Wires, slope: f64) -> f64 {
-        let signal = if DRIVE { w.drive } else { w.aux };
-        w.x + (self.value * (signal - self.zero) + self.rate * slope) / self.scale
+        w.x + (self.value * (w.aux - self.zero) + self.rate * slope) / self.scale
     }
 }
 
-impl<const DRIVE: bool> Step<1> for Added<DRIVE> {
+impl Step<1> for Auxiliary {
     fn set_step(&mut self, dt: f64) {
         self.dt = dt;
     }
 
     fn rest(&self, w: Wires) -> ([f64; 1], f64) {
-        ([if DRIVE { w.drive } else { w.aux }], self.at(w, 0.0))
+        ([w.aux], self.at(w, 0.0))
     }
 
     #[inline]
     fn step(&self, w: Wires, _t: f64, [before]: &mut [f64; 1]) -> f64 {
-        let signal = if DRIVE { w.drive } else { w.aux };
-        let slope = (signal - *before) / self.dt;
-        *before = signal;
+        let slope = (w.aux - *before) / self.dt;
+        *before = w.aux;
         self.at(w, slope)
     }
 }
@@ -472,7 +368,7 @@ pub(crate) struct ModalAuxiliary {
 
 impl Step<2> for ModalAuxiliary {
     fn set_step(&mut self, dt: f64) {
-        self.mode.prepare(dt);
+        self.mode.set_step(dt);
     }
 
     fn rest(&self, w: Wires) -> ([f64; 2], f64) {

@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use components::hysteresis::play::between;
 use libm::{exp, log1p, sin, tanh};
 
 use crate::kernel::{Kernel, Map};
@@ -42,18 +41,6 @@ pub(crate) fn missing_codes(
 ) -> Kernel {
     let q = 2.0 * half / steps;
     kernel(move |x| q * (code(x / q - phase, every, missing) + 0.5 + phase))
-}
-
-pub(crate) fn limit_above(limit: f64) -> Kernel {
-    kernel(move |x| x.min(limit))
-}
-
-pub(crate) fn limit_below(limit: f64) -> Kernel {
-    kernel(move |x| x.max(limit))
-}
-
-pub(crate) fn limits(centre: f64, half: f64) -> Kernel {
-    kernel(move |x| centre + between(-half, half, x - centre))
 }
 
 /// `x − width·ln(1 + exp((x − limit)/width))`, without overflow.

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use components::hysteresis::play::play;
 use components::linear::Transition;
 use serde::{Deserialize, Serialize};
 
@@ -293,25 +292,6 @@ impl Step<4> for Forced {
         let y = self.mode.step(w.x, &mut mode, |at, goes_on| self.force.pull(at, slide, goes_on));
         [*position, *rate, *before] = mode;
         y
-    }
-}
-
-/// A clearance with a spring across it: a play, and a share of the motion that passes within it. State: the play.
-#[derive(Clone)]
-pub(crate) struct Backlash {
-    pub(crate) half: f64,
-    pub(crate) bridge: f64,
-}
-
-impl Step<1> for Backlash {
-    fn rest(&self, w: Wires) -> ([f64; 1], f64) {
-        ([w.x], w.x)
-    }
-
-    #[inline]
-    fn step(&self, w: Wires, _t: f64, [z]: &mut [f64; 1]) -> f64 {
-        *z = play(w.x, self.half, *z);
-        *z + self.bridge * (w.x - *z)
     }
 }
 

@@ -2,10 +2,10 @@
 //! rate less what those inside the original do without it.
 
 use components::hysteresis::play::play;
+use components::linear::approach;
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::{Bank, Wires};
-use crate::linear::approach;
 
 /// How thresholds grow with a rate x over that of reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,9 +1,9 @@
 //! Warmth of an actuator from the power of its drive.
 
+use components::linear::approach;
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::{Bank, Step, Wires};
-use crate::linear::approach;
 
 /// What warms an actuator, over its mean in the log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,10 +2,10 @@
 //! is an error.
 
 use components::hysteresis::LaggingPlay;
-use model::Range;
+use model::{Range, Tick};
 use surround::{
     Block, Effect, Force, Growth, Kernel, Loss, Memory, Operator, Original, Parameter, Piece, Port,
-    Repair, Side, Signals, Span, State, Surround, Variable, Wires,
+    Repair, Side, Signals, Span, State, Stepped, Surround, Variable, Wires,
 };
 
 const STEP: f64 = 1e-4;
@@ -61,6 +61,7 @@ fn all() -> Vec<(Block, Vec<f64>)> {
         (Block::Gain, vec![0.13]),
         (Block::AgeingGain, vec![0.13, -0.02]),
         (Block::DeadZones(span), vec![0.2, -0.1]),
+        (Block::Polynomial(span), vec![0.1, -0.2]),
         (Block::Polynomial(span), vec![0.1, -0.2, 0.05]),
         (Block::Sine(span), vec![0.1, 1.5, 0.3]),
         (Block::Creep, vec![0.02, 0.01, 0.05, 0.2]),
@@ -276,6 +277,41 @@ fn a_repaired_fmu_computes_what_whole_signals_give_bit_for_bit() {
         let acts = wanted.iter().zip(&all_signals[0]).any(|(y, x)| (y - x).abs() > 1e-3);
         assert!(acts, "{block:?} does nothing in this test");
     }
+}
+
+/// What a diagnosis hands back are these components with these values.
+#[test]
+fn a_block_that_is_a_component_is_that_component_bit_for_bit() {
+    let all_signals = signals();
+    let mut count = 0;
+    for (block, p) in all() {
+        let kernel = block.prepare(&p, STEP).unwrap();
+        let components = kernel.components();
+        if components.is_empty() {
+            continue;
+        }
+        count += 1;
+        let mut path = all_signals[0].clone();
+        for Stepped { component, parameters } in components {
+            let sizes = component.sizes(&[], STEP);
+            let (mut coefficients, mut state) =
+                (vec![0.0; sizes.coefficients], vec![0.0; sizes.states]);
+            component.prepare(&[], parameters, STEP, &mut coefficients).unwrap();
+            for (n, x) in path.iter_mut().enumerate() {
+                let inputs = [*x, all_signals[1][n]];
+                let inputs = &inputs[..component.declaration().inputs.len()];
+                let mut y = [0.0];
+                let tick = Tick { index: n as u64, time: n as f64 * STEP, period: STEP };
+                match n {
+                    0 => component.rest(&coefficients, inputs, &mut state, &mut y),
+                    _ => component.step(&coefficients, &mut state, tick, inputs, &mut y),
+                }
+                [*x] = y;
+            }
+        }
+        same_bits(&block, &path, &complete(&kernel, &all_signals));
+    }
+    assert!(count > 12, "only {count} blocks are components");
 }
 
 #[test]

@@ -18,12 +18,13 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use libm::{expm1, fabs};
+use libm::fabs;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
 use crate::effects;
+use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
 
 /// The component `self-heating`.
@@ -108,9 +109,9 @@ impl Component for SelfHeating {
         require(averaging > 0.0, "averaging", averaging, rule)?;
         // |ṽ·Δv|/T is |ṽ·v′| in the mean over the step.
         *heat = FRAC_PI_2 * loss * capacitance * resistance / period;
-        *warming = -expm1(-period / time_constant);
+        *warming = approach(time_constant, period);
         (*gain, *length, *factor) = (coefficient, growth, amplification);
-        *forget = -expm1(-period / averaging);
+        *forget = approach(averaging, period);
         Ok(())
     }
 

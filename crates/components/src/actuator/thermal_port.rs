@@ -18,12 +18,12 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use libm::expm1;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
 use super::self_heating::alternating;
+use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
 
 /// The component `thermal-port`.
@@ -89,7 +89,7 @@ impl Component for ThermalPort {
         require(averaging > 0.0, "averaging", averaging, "must be above zero")?;
         (*length, *gain, *zero) = (growth, coefficient, reference);
         *power = FRAC_PI_2 * loss * capacitance / period;
-        *forget = -expm1(-period / averaging);
+        *forget = approach(averaging, period);
         Ok(())
     }
 

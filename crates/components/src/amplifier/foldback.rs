@@ -13,12 +13,13 @@
 //! Limits: the limit is chosen once per step; constant capacitance; the same limit for charging and
 //! discharging.
 
-use libm::{expm1, fabs, fmin};
+use libm::{fabs, fmin};
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
 use crate::effects;
+use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
 
 /// The component `amplifier-foldback`.
@@ -76,7 +77,7 @@ impl Component for AmplifierFoldback {
         require(time_constant > 0.0, "time_constant", time_constant, "must be above zero")?;
         // Ways of the voltage in a step, at either limit; q as the square of such a way.
         (*fast, *slow) = (peak / capacitance * period, continuous / capacitance * period);
-        (*average, *fraction) = (*slow * *slow, -expm1(-period / time_constant));
+        (*average, *fraction) = (*slow * *slow, approach(time_constant, period));
         Ok(())
     }
 

@@ -16,7 +16,7 @@ pub use nonlinearity::AmplifierNonlinearity;
 pub use piezo_charge::PiezoCharge;
 pub use rc::AmplifierRc;
 pub use second_order::AMPLIFIER_SECOND_ORDER;
-pub use slew::AmplifierSlew;
+pub use slew::{AmplifierSlew, slewed};
 
 /// The components of this folder, in the order of the signal path.
 pub(crate) static COMPONENTS: model::Registry = &[

@@ -34,6 +34,20 @@ static DECLARATION: Declaration = Declaration {
     parameters: &[Quantity::new("rate", "{command}/s", "Greatest slope").min(0.0).fitted()],
 };
 
+/// v after a step towards u, by at most these ways down and up.
+#[inline]
+#[must_use]
+pub fn slewed(v: f64, u: f64, [down, up]: [f64; 2]) -> f64 {
+    let change = u - v;
+    if change > up {
+        v + up
+    } else if change < -down {
+        v - down
+    } else {
+        u
+    }
+}
+
 impl Component for AmplifierSlew {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
@@ -56,11 +70,13 @@ impl Component for AmplifierSlew {
         Ok(())
     }
 
+    #[inline]
     fn rest(&self, _coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[u], [v], [y]) = (inputs, state, outputs) else { return };
         (*v, *y) = (u, u);
     }
 
+    #[inline]
     fn step(
         &self,
         coefficients: &[f64],
@@ -70,14 +86,7 @@ impl Component for AmplifierSlew {
         outputs: &mut [f64],
     ) {
         let (&[way], &[u], [v], [y]) = (coefficients, inputs, state, outputs) else { return };
-        let change = u - *v;
-        *v = if change > way {
-            *v + way
-        } else if change < -way {
-            *v - way
-        } else {
-            u
-        };
+        *v = slewed(*v, u, [way; 2]);
         *y = *v;
     }
 }

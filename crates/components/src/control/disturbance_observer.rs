@@ -22,7 +22,7 @@ use model::{
 
 use super::limiter::ENABLE;
 use crate::hysteresis::play::between;
-use crate::linear::lag_fraction;
+use crate::linear::{approach, lag_fraction};
 use crate::rules::{WRONG_LENGTH, require};
 use crate::timing::delay::{Ring, ring_size, steps_of};
 
@@ -98,7 +98,7 @@ impl Component for DisturbanceObserver {
         let rule = "must be above 0; omit the observer to disable it";
         require(bandwidth > 0.0, "bandwidth", bandwidth, rule)?;
         *low_pass = lag_fraction(bandwidth, period);
-        *follow = if lag > 0.0 { -libm::expm1(-period / lag) } else { 1.0 };
+        *follow = if lag > 0.0 { approach(lag, period) } else { 1.0 };
         // What is measured now has seen the command of the step before.
         (*integer, *fraction) = steps_of("delay", delay, longest, period)?;
         *own_limit = limit;

@@ -1,7 +1,5 @@
 //! The sum of first-order elements, exact for an input that is held over each step.
 
-use libm::expm1;
-
 /// Coefficients: `direct | fraction_i … | share_i …`; one state z_i per element.
 pub(super) struct Elements<'a> {
     direct: f64,
@@ -12,11 +10,6 @@ pub(super) struct Elements<'a> {
 /// Number of coefficients for this many elements.
 pub(super) fn coefficients(elements: usize) -> usize {
     2 * elements + 1
-}
-
-/// The part of the way to its input that an element goes in one period.
-pub(super) fn fraction(time_constant: f64, period: f64) -> f64 {
-    -expm1(-period / time_constant)
 }
 
 /// The input that rests at the output `y`.

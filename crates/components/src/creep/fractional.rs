@@ -25,8 +25,9 @@ use model::{
     Violation,
 };
 
-use super::elements::{Elements, coefficients, fraction, parts_mut};
+use super::elements::{Elements, coefficients, parts_mut};
 use crate::effects;
+use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
 
 /// The component `fractional-creep`.
@@ -105,7 +106,7 @@ impl Component for FractionalCreep {
                 let (p, z) = pair(j);
                 residue *= (z - pole) / (p - pole);
             }
-            (*f, *share) = (fraction(1.0 / pole, period), residue);
+            (*f, *share) = (approach(1.0 / pole, period), residue);
         }
         Ok(())
     }

@@ -16,8 +16,9 @@ use model::{
     Tick, Violation,
 };
 
-use super::elements::{Elements, coefficients, fraction, parts_mut};
+use super::elements::{Elements, coefficients, parts_mut};
 use crate::effects;
+use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, increasing, require_at};
 
 /// The component `kelvin-voigt-creep`.
@@ -85,7 +86,7 @@ impl Component for KelvinVoigtCreep {
         *direct = 1.0;
         shares.copy_from_slice(share);
         for (f, tau) in fractions.iter_mut().zip(time_constant) {
-            *f = fraction(*tau, period);
+            *f = approach(*tau, period);
         }
         Ok(())
     }

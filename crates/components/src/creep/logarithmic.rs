@@ -21,8 +21,9 @@ use model::{
     Violation,
 };
 
-use super::elements::{Elements, coefficients, fraction, parts_mut};
+use super::elements::{Elements, coefficients, parts_mut};
 use crate::effects;
+use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
 
 /// The component `logarithmic-creep`.
@@ -118,7 +119,7 @@ impl Component for LogarithmicCreep {
         let share = gain / PER_DECADE;
         *direct = 1.0 - gain * log10(reference / shortest);
         for (i, (f, s)) in fractions.iter_mut().zip(shares).enumerate() {
-            (*f, *s) = (fraction(time_constant(shortest, i), period), share);
+            (*f, *s) = (approach(time_constant(shortest, i), period), share);
         }
         Ok(())
     }

@@ -13,12 +13,12 @@
 //!
 //! Limits: one time constant.
 
-use libm::expm1;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
 use crate::effects;
+use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
 
 /// The component `thermal-drift`.
@@ -77,7 +77,7 @@ impl Component for ThermalDrift {
         };
         require(time_constant > 0.0, "time_constant", time_constant, "must be above zero")?;
         (*slope, *end, *growth) = (rate * period, settling, expansion * change);
-        *fraction = -expm1(-period / time_constant);
+        *fraction = approach(time_constant, period);
         Ok(())
     }
 

@@ -8,12 +8,12 @@
 //!
 //! Limits: one time constant; see `thermal-drift` for drift without a temperature.
 
-use libm::expm1;
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
 use crate::effects;
+use crate::linear::approach;
 use crate::rules::WRONG_LENGTH;
 
 /// The component `thermal-expansion`.
@@ -62,7 +62,7 @@ impl Component for ThermalExpansion {
         else {
             return Err(WRONG_LENGTH);
         };
-        let fraction = if time_constant > 0.0 { -expm1(-period / time_constant) } else { 1.0 };
+        let fraction = if time_constant > 0.0 { approach(time_constant, period) } else { 1.0 };
         (*growth, *part, *zero) = (expansion, fraction, reference);
         Ok(())
     }

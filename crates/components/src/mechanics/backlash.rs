@@ -64,6 +64,7 @@ impl Component for Backlash {
         Ok(())
     }
 
+    #[inline]
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[half, bridge], &[x], [position], [y]) = (coefficients, inputs, state, outputs)
         else {
@@ -73,6 +74,7 @@ impl Component for Backlash {
         *y = *position + bridge * (x - *position);
     }
 
+    #[inline]
     fn step(
         &self,
         coefficients: &[f64],

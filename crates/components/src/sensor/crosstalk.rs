@@ -61,6 +61,7 @@ impl Component for Crosstalk {
         Ok(())
     }
 
+    #[inline]
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[gain, _], &[x, u], [last], [y]) = (coefficients, inputs, state, outputs) else {
             return;
@@ -69,6 +70,7 @@ impl Component for Crosstalk {
         *y = x + gain * u;
     }
 
+    #[inline]
     fn step(
         &self,
         coefficients: &[f64],

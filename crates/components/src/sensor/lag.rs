@@ -66,11 +66,13 @@ impl Component for SensorLag {
         Ok(())
     }
 
+    #[inline]
     fn rest(&self, _coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[x], [y], [reading]) = (inputs, state, outputs) else { return };
         (*y, *reading) = (x, x);
     }
 
+    #[inline]
     fn step(
         &self,
         coefficients: &[f64],

@@ -4,9 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use data::ComponentBlueprint;
 use model::Extension;
-use surround::{Block, Loss};
+use surround::{Block, Loss, Stepped};
 
 use super::number;
+use crate::answer::scale_of;
 use crate::chain::Force;
 use crate::library::Piece;
 use crate::outcome::Outcome;
@@ -101,13 +102,6 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
                 if is_sensor { ("sensor-quantisation", y) } else { ("dac-quantisation", u) };
             one(new(kind).value("resolution", 2.0 * half / steps / factor))
         }
-        (Block::Slew, &[rate]) => one(new("amplifier-slew").value("rate", rate / u)),
-        (Block::LimitAbove, &[high]) => {
-            one(new("amplifier-clamp").value("low", -far / u).value("high", high / u))
-        }
-        (Block::LimitBelow, &[low]) => {
-            one(new("amplifier-clamp").value("low", low / u).value("high", far / u))
-        }
         // A parabola takes as much off in sum as the logarithm of the formula: ∫ = softness²/6 = π²/6·width².
         (Block::SoftLimitAbove, &[limit, width]) => one(new("amplifier-clamp")
             .value("low", -far / u)
@@ -118,15 +112,7 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
             .value("low", -far / u)
             .value("high", (knee + width) / u)
             .value("softness", (6.0 * 0.1931_f64).sqrt() * width / u)),
-        (Block::Limits { centre }, &[half]) => one(new("amplifier-clamp")
-            .value("low", (centre - half) / u)
-            .value("high", (centre + half) / u)),
         (Block::Gain, &[gain]) => one(new("sensor-scale").value("gain", 1.0 + gain)),
-        (Block::PoleZero, &[pole, damping, ratio, zero_damping]) => one(new("collocated-mode")
-            .value("frequency", pole)
-            .value("damping", damping)
-            .value("zero_frequency", pole * ratio)
-            .value("zero_damping", zero_damping)),
         // 1 − g + g·M is a pair of poles and zeros with the static gain 1.
         (Block::ParallelMode, &[gain, frequency, damping]) if gain < 1.0 => {
             let root = (1.0 - gain).sqrt();
@@ -136,15 +122,6 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
                 .value("zero_frequency", frequency / root)
                 .value("zero_damping", damping * root))
         }
-        (Block::Backlash, &[half]) => one(new("backlash").value("width", 2.0 * half / y)),
-        (Block::BridgedBacklash, &[half, bridge]) => {
-            one(new("backlash").value("width", 2.0 * half / y).value("bridge", bridge))
-        }
-        (Block::Polynomial(span), &[square, cubic]) if !is_command => one(new("sensor-polynomial")
-            .value("quadratic", square)
-            .value("cubic", cubic)
-            .value("centre", span.centre / y)
-            .value("half_range", span.half / y)),
         (Block::Polynomial(span), &[square, cubic]) if is_command => {
             one(new("amplifier-nonlinearity")
                 .value("quadratic", square)
@@ -163,13 +140,29 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
         (Block::HeatingGain { loss: Loss::Loops { mean, .. } }, &[growth, time]) => {
             one(warming(*mean / (u * u), time, o).value("coefficient", growth))
         }
-        (Block::FeedThrough { scale, time }, &[value, rate]) if piece.of_command => {
-            one(new("crosstalk")
-                .value("gain", value / scale * u / y)
-                .value("rate_gain", rate * time / scale * u / y))
-        }
-        (block, p) => creep(block, p).and_then(one),
+        // What the component reads is the command.
+        (Block::FeedThrough { .. }, _) if !piece.of_command => None,
+        (block, p) => creep(block, p).map(|creep| vec![creep]).or_else(|| stepped(o, block, p)),
     }
+}
+
+/// The components that a block steps itself.
+fn stepped(o: &Outcome, block: &Block, p: &[f64]) -> Option<Vec<ComponentBlueprint>> {
+    let kernel = block.prepare(p, o.task.data.step).ok()?;
+    let span = o.task.data.command_span;
+    // A limit on one side has another where no command comes.
+    let far = 10.0 * (span.half + span.centre.abs());
+    let all = kernel.components().into_iter().map(|Stepped { component, parameters }| {
+        let declaration = component.declaration();
+        let mut own = ComponentBlueprint::new(declaration.kind);
+        let values = declaration.parameters.iter().zip(parameters);
+        for (quantity, value) in values.filter(|(q, v)| q.start != Some(**v)) {
+            let value = if value.is_finite() { *value } else { far.copysign(*value) };
+            own.set(quantity.name, value / scale_of(o, quantity.unit));
+        }
+        own
+    });
+    Some(all.collect()).filter(|all: &Vec<_>| !all.is_empty())
 }
 
 /// A component that warms by one kelvin at the mean power of the log.

@@ -29,6 +29,7 @@
 mod parts;
 
 use components::hysteresis::numeric_inverse::{Forward, NumericInverse, Rates};
+use components::linear::approach;
 use model::{
     Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Role, Sizes, Stage,
     Structural, Tick, Violation,
@@ -241,7 +242,7 @@ impl Component for LearnedPlays {
         share.copy_from_slice(given.share);
         let (fraction, rest) = rest.split_at_mut(counts.elements);
         for (fraction, time) in fraction.iter_mut().zip(given.time_constant) {
-            *fraction = -libm::expm1(-period / time);
+            *fraction = approach(*time, period);
         }
         let (network, rest) = rest.split_at_mut(rest.len() - Scalars::COUNT - TAIL);
         let units = given.height.iter().zip(given.bias).zip(given.weight.as_chunks::<INPUTS>().0);

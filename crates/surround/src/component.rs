@@ -1,0 +1,162 @@
+//! Components as blocks: what a diagnosis finds, the blueprint that it writes and the repaired FMU step the same code.
+
+use model::{Component, Tick};
+
+use crate::kernel::{Law, Signals, Wires};
+use crate::state::State;
+
+/// A component with the values of its parameters in SI, as a kernel steps it.
+#[derive(Clone, Copy)]
+pub struct Stepped<'a> {
+    /// The component.
+    pub component: &'static dyn Component,
+    /// In the order of its declaration.
+    pub parameters: &'a [f64],
+}
+
+/// A component without structure of P parameters, K coefficients and N states, on the path, or on the path and the
+/// drive. No number comes out where it does not take the parameters.
+pub(crate) struct Own<C: 'static, const P: usize, const K: usize, const N: usize> {
+    component: &'static C,
+    parameters: [f64; P],
+    coefficients: [f64; K],
+    is_taken: bool,
+    reads_drive: bool,
+    dt: f64,
+}
+
+impl<C: 'static, const P: usize, const K: usize, const N: usize> Clone for Own<C, P, K, N> {
+    fn clone(&self) -> Self {
+        Self { ..*self }
+    }
+}
+
+impl<C: Component, const P: usize, const K: usize, const N: usize> Own<C, P, K, N> {
+    /// With these values of its parameters in SI.
+    pub(crate) fn new(component: &'static C, parameters: [f64; P]) -> Self {
+        let sizes = component.sizes(&[], 1.0);
+        debug_assert_eq!((sizes.coefficients, sizes.states), (K, N));
+        let reads_drive = component.declaration().inputs.len() > 1;
+        let coefficients = [0.0; K];
+        Self { component, parameters, coefficients, is_taken: false, reads_drive, dt: 0.0 }
+    }
+
+    /// What comes out of a call of the component.
+    #[inline]
+    fn call(&self, w: Wires, with: impl FnOnce(&C, &[f64], &[f64], &mut [f64])) -> f64 {
+        let mut y = [f64::NAN];
+        let inputs = [w.x, w.drive];
+        if self.is_taken {
+            let count = if self.reads_drive { 2 } else { 1 };
+            with(self.component, &self.coefficients, &inputs[..count], &mut y);
+        }
+        y[0]
+    }
+
+    #[inline]
+    pub(crate) fn at_rest(&self, w: Wires, z: &mut [f64; N]) -> f64 {
+        self.call(w, |component, coefficients, u, y| component.rest(coefficients, u, z, y))
+    }
+
+    /// After a step that ends at the time `t`.
+    #[inline]
+    pub(crate) fn after(&self, w: Wires, t: f64, z: &mut [f64; N]) -> f64 {
+        let tick = Tick { index: (t / self.dt) as u64, time: t, period: self.dt };
+        self.call(w, |component, coefficients, u, y| component.step(coefficients, z, tick, u, y))
+    }
+}
+
+impl<C: Component, const P: usize, const K: usize, const N: usize> Law for Own<C, P, K, N> {
+    fn set_step(&mut self, dt: f64) {
+        self.dt = dt;
+        let Self { component, parameters, coefficients, .. } = self;
+        self.is_taken = component.prepare(&[], parameters, dt, coefficients).is_ok();
+    }
+
+    fn rest(&self, w: Wires, state: &mut State) -> f64 {
+        state.z.resize(N, 0.0);
+        self.at_rest(w, state.z.first_chunk_mut().expect("it has this length"))
+    }
+
+    fn step(&self, w: Wires, t: f64, state: &mut State) -> f64 {
+        self.after(w, t, state.z.first_chunk_mut().expect("a state of this kernel"))
+    }
+
+    fn run(&self, signals: Signals<'_>, dt: f64, out: &mut [f64]) {
+        let (Some((w, signals)), Some((first, out))) =
+            (signals.split_first(), out.split_first_mut())
+        else {
+            return;
+        };
+        let (mut z, mut t) = ([0.0; N], 0.0);
+        *first = self.at_rest(w, &mut z);
+        for (y, w) in out.iter_mut().zip(signals.wires()) {
+            t += dt;
+            *y = self.after(w, t, &mut z);
+        }
+    }
+
+    fn states(&self) -> usize {
+        N
+    }
+
+    fn map(&self, x: f64) -> Option<f64> {
+        let w = Wires { x, ..Wires::default() };
+        (N == 0 && !self.reads_drive).then(|| self.at_rest(w, &mut [0.0; N]))
+    }
+
+    fn components(&self) -> Vec<Stepped<'_>> {
+        vec![Stepped { component: self.component, parameters: &self.parameters }]
+    }
+
+    fn boxed(&self) -> Box<dyn Law> {
+        Box::new(self.clone())
+    }
+}
+
+/// Equal laws in series, each with one number as its state.
+#[derive(Clone)]
+pub(crate) struct Series<L>(pub(crate) Vec<L>);
+
+impl<C: Component, const P: usize, const K: usize> Law for Series<Own<C, P, K, 1>> {
+    fn set_step(&mut self, dt: f64) {
+        self.0.iter_mut().for_each(|law| law.set_step(dt));
+    }
+
+    fn rest(&self, w: Wires, state: &mut State) -> f64 {
+        state.z.resize(self.0.len(), 0.0);
+        let (z, _) = state.z.as_chunks_mut();
+        self.0.iter().zip(z).fold(w.x, |x, (law, z)| law.at_rest(Wires { x, ..w }, z))
+    }
+
+    fn step(&self, w: Wires, t: f64, state: &mut State) -> f64 {
+        let (z, _) = state.z.as_chunks_mut();
+        self.0.iter().zip(z).fold(w.x, |x, (law, z)| law.after(Wires { x, ..w }, t, z))
+    }
+
+    fn run(&self, signals: Signals<'_>, dt: f64, out: &mut [f64]) {
+        out.iter_mut().zip(signals.x).for_each(|(y, x)| *y = *x);
+        for law in &self.0 {
+            let Some((first, out)) = out.split_first_mut() else { return };
+            let wires = |x| Wires { x, ..Wires::default() };
+            let (mut z, mut t) = ([0.0], 0.0);
+            *first = law.at_rest(wires(*first), &mut z);
+            for y in out {
+                t += dt;
+                *y = law.after(wires(*y), t, &mut z);
+            }
+        }
+    }
+
+    fn states(&self) -> usize {
+        self.0.len()
+    }
+
+    fn components(&self) -> Vec<Stepped<'_>> {
+        self.0.iter().flat_map(Law::components).collect()
+    }
+
+    fn boxed(&self) -> Box<dyn Law> {
+        Box::new(self.clone())
+    }
+}
