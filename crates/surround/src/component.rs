@@ -2,17 +2,8 @@
 
 use model::{Component, Tick};
 
-use crate::kernel::{Law, Signals, Wires};
+use crate::kernel::{Law, Signals, Stepped, Wires};
 use crate::state::State;
-
-/// A component with the values of its parameters in SI, as a kernel steps it.
-#[derive(Clone, Copy)]
-pub struct Stepped<'a> {
-    /// The component.
-    pub component: &'static dyn Component,
-    /// In the order of its declaration.
-    pub parameters: &'a [f64],
-}
 
 /// A component without structure of P parameters, K coefficients and N states, on the path, or on the path and the
 /// drive. No number comes out where it does not take the parameters.

@@ -6,7 +6,8 @@
 
 use std::fmt;
 
-use crate::component::Stepped;
+use model::Component;
+
 use crate::state::State;
 
 /// What a block reads at one instant.
@@ -105,6 +106,15 @@ pub(crate) fn each(p: &[f64], count: usize) -> Result<&[f64], WrongCount> {
     } else {
         Err(WrongCount { given: p.len(), wanted: Count::Exactly(count) })
     }
+}
+
+/// A component with the values of its parameters in SI, as a kernel steps it.
+#[derive(Clone, Copy)]
+pub struct Stepped<'a> {
+    /// The component.
+    pub component: &'static dyn Component,
+    /// In the order of its declaration.
+    pub parameters: &'a [f64],
 }
 
 /// A block with its coefficients for steps of one length. It holds nothing that changes from step to step: that

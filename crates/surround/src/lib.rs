@@ -30,8 +30,7 @@ mod tangent;
 mod warmth;
 
 pub use block::Block;
-pub use component::Stepped;
-pub use kernel::{Count, Kernel, Signals, Wires, WrongCount, exactly};
+pub use kernel::{Count, Kernel, Signals, Stepped, Wires, WrongCount, exactly};
 pub use linear::time_of;
 pub use map::code;
 pub use mechanics::{Acting, Force, ForcedMode};
