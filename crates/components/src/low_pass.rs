@@ -3,7 +3,6 @@
 use model::{Component, Declaration, Extension, Sizes, Tick, Violation};
 
 use crate::linear::SecondOrder;
-use crate::mechanics;
 use crate::rules::{WRONG_LENGTH, second_order};
 
 /// `x″ + 2ζω x′ + ω² x = ω²·gain·u`, exact while u is held over a step. Its state is x and x′/ω.
@@ -11,6 +10,8 @@ pub struct LowPass {
     pub(crate) declaration: &'static Declaration,
     /// What its parameters come to at a period in s.
     pub(crate) law: fn(&[f64], f64) -> Result<SecondOrder, Violation>,
+    /// What it becomes with one thing more.
+    pub(crate) extended: fn(Extension) -> Option<&'static dyn Component>,
 }
 
 /// Of the parameters frequency, damping and gain.
@@ -26,7 +27,7 @@ impl Component for LowPass {
     }
 
     fn extended(&self, by: Extension) -> Option<&'static dyn Component> {
-        if self.declaration.is_mode() { mechanics::extended(by) } else { None }
+        (self.extended)(by)
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {

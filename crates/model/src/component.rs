@@ -1,9 +1,11 @@
 //! A component: one physical effect or one control law.
 
 use alloc::string::String;
+use alloc::sync::Arc;
 use core::fmt;
+use core::ops::Deref;
 
-use crate::{ComponentRef, Declaration, Fit, Missing, Role, Table, Wiring};
+use crate::{Declaration, Fit, Missing, Role, Table, Wiring};
 
 /// What a component may lack that another component has beside all that the first one does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -314,6 +316,42 @@ pub trait Component: Send + Sync {
                 self.step(coefficients, state, tick, inputs, outputs);
                 out[n] = outputs[0];
             }
+        }
+    }
+}
+
+/// A component: one of the registry, or one that runs a table and is shared by the systems that were
+/// built from it.
+#[derive(Clone)]
+pub enum ComponentRef {
+    /// Of the registry.
+    Static(&'static dyn Component),
+    /// With its own table.
+    Shared(Arc<dyn Component>),
+}
+
+impl ComponentRef {
+    /// A component with its own table.
+    #[must_use]
+    pub fn shared(component: impl Component + 'static) -> Self {
+        Self::Shared(Arc::new(component))
+    }
+}
+
+impl From<&'static dyn Component> for ComponentRef {
+    fn from(component: &'static dyn Component) -> Self {
+        Self::Static(component)
+    }
+}
+
+impl Deref for ComponentRef {
+    type Target = dyn Component;
+
+    #[inline(always)]
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Static(component) => *component,
+            Self::Shared(component) => &**component,
         }
     }
 }

@@ -1,44 +1,6 @@
 //! What is declared about a component once: everything that others print, check or ask by name.
 
-use crate::{Effect, Input, MAX_PORTS, Output, Quantity, Role, Source, Structural};
-
-/// Where on the signal path a component sits; the order is the order of the path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
-    /// Quantisation, delay, clock.
-    Timing,
-    /// Amplifier.
-    Amplifier,
-    /// Actuator: hysteresis, creep, polarisation, temperature.
-    Actuator,
-    /// Modes, load, backlash, friction, disturbance force.
-    Mechanics,
-    /// Cross-coupling between axes.
-    Coupling,
-    /// Thermal drift, floor.
-    Environment,
-    /// Sensor.
-    Sensor,
-    /// Control law (controllers only).
-    Control,
-}
-
-impl Stage {
-    /// The identifier used in files and reports.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Timing => "timing",
-            Self::Amplifier => "amplifier",
-            Self::Actuator => "actuator",
-            Self::Mechanics => "mechanics",
-            Self::Coupling => "coupling",
-            Self::Environment => "environment",
-            Self::Sensor => "sensor",
-            Self::Control => "control",
-        }
-    }
-}
+use crate::{Effect, Input, MAX_PORTS, Output, Quantity, Role, Shape, Source, Stage, Structural};
 
 /// What a component does to the kind of signal on the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,8 +86,8 @@ impl Declaration {
     #[must_use]
     pub fn length(&self, index: usize, structure: &[f64]) -> usize {
         match self.parameters.get(index).map(|q| q.shape) {
-            Some(crate::Shape::Scalar) => 1,
-            Some(crate::Shape::Array(by)) => structure.get(by).map_or(0, |n| *n as usize),
+            Some(Shape::Scalar) => 1,
+            Some(Shape::Array(by)) => structure.get(by).map_or(0, |n| *n as usize),
             None => 0,
         }
     }

@@ -19,10 +19,12 @@ mod fit;
 mod port;
 mod quantity;
 mod registry;
+mod stage;
 mod system;
 mod table;
 mod unit;
 mod variable;
+mod wiring;
 
 pub use bundle::Bundle;
 #[cfg(feature = "records")]
@@ -30,19 +32,23 @@ pub use bundle::Bundle;
 pub use component::Record;
 #[cfg(not(target_family = "wasm"))]
 pub use component::Way;
-pub use component::{Component, Example, Extension, Inverse, Sizes, Tick, Undoing, Violation};
+pub use component::{
+    Component, ComponentRef, Example, Extension, Inverse, Sizes, Tick, Undoing, Violation,
+};
 pub use context::{Context, ContextError};
-pub use declaration::{Conversion, Declaration, Stage};
+pub use declaration::{Conversion, Declaration};
 pub use effect::{Effect, Group};
 pub use fit::{Fit, Free, Missing, Range, Scale, Search};
 pub use port::{DEMANDED_INPUTS, DemandedInput, Input, MAX_PORTS, Output, Published, Source};
 pub use quantity::{Quantity, Role, Shape, Structural, Variability, Within, unit_on_axis};
 pub use registry::{Registry, count, joined};
+pub use stage::Stage;
 pub use system::{
     AxisSpec, BuildError, Connections, CouplingSpec, InputSpec, Kind, NodeSpec, PortSpec,
     StepError, System, SystemSpec,
 };
-pub use system::{DerivativeError, DerivativeRoom, Past, Quick, Wiring};
-pub use table::{ComponentRef, Table};
+pub use system::{DerivativeError, DerivativeRoom, Past, Quick};
+pub use table::Table;
 pub use unit::{BASE_UNITS, Unit, UnitError};
 pub use variable::{Causality, DataType, Gate, SetError, Variable, VariableTable};
+pub use wiring::Wiring;

@@ -3,9 +3,6 @@
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::ops::Deref;
-
-use crate::Component;
 
 /// Rows of numbers, shared by all that use them.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,41 +40,5 @@ impl Table {
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
-    }
-}
-
-/// A component: one of the registry, or one that runs a table and is shared by the systems that were
-/// built from it.
-#[derive(Clone)]
-pub enum ComponentRef {
-    /// Of the registry.
-    Static(&'static dyn Component),
-    /// With its own table.
-    Shared(Arc<dyn Component>),
-}
-
-impl ComponentRef {
-    /// A component with its own table.
-    #[must_use]
-    pub fn shared(component: impl Component + 'static) -> Self {
-        Self::Shared(Arc::new(component))
-    }
-}
-
-impl From<&'static dyn Component> for ComponentRef {
-    fn from(component: &'static dyn Component) -> Self {
-        Self::Static(component)
-    }
-}
-
-impl Deref for ComponentRef {
-    type Target = dyn Component;
-
-    #[inline(always)]
-    fn deref(&self) -> &Self::Target {
-        match self {
-            Self::Static(component) => *component,
-            Self::Shared(component) => &**component,
-        }
     }
 }

@@ -10,10 +10,7 @@ use crate::figure::Figure;
 use crate::provenance::Provenance;
 use crate::table::Table;
 use crate::value::{KeyFigure, Outcome};
-use crate::{page, write};
-
-/// Name and version of the report's JSON.
-pub const SCHEMA: &str = "piezoloop.report/1";
+use crate::{SCHEMA, write};
 
 /// The result of one command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -218,22 +215,6 @@ impl Report {
         } else {
             Err(ReportError::Schema { found: report.schema })
         }
-    }
-
-    /// The page: one self-contained HTML file.
-    ///
-    /// # Errors
-    /// [`ReportError::Template`] or [`ReportError::Json`] if rendering fails.
-    pub fn to_html(&self) -> Result<String, ReportError> {
-        page::render(self)
-    }
-
-    /// Writes the page, whole or not at all.
-    ///
-    /// # Errors
-    /// Those of [`Report::to_html`], and [`ReportError::Write`].
-    pub fn write_html(&self, path: impl AsRef<Path>) -> Result<(), ReportError> {
-        write::complete(path.as_ref(), &self.to_html()?)
     }
 
     /// Writes the JSON, whole or not at all.

@@ -36,12 +36,13 @@ mod number;
 mod page;
 mod provenance;
 mod reduce;
+mod schema;
 mod summary;
 mod table;
 mod value;
 mod write;
 
-pub use context::{Block, Report, SCHEMA, Section, Verdict};
+pub use context::{Block, Report, Section, Verdict};
 pub use diagram::{Diagram, Lane, Look, Stage};
 pub use error::ReportError;
 pub use figure::{
@@ -50,6 +51,7 @@ pub use figure::{
 };
 pub use number::{format_number, format_unit};
 pub use provenance::{InputFile, Provenance, utc_timestamp};
+pub use schema::SCHEMA;
 pub use summary::Summary;
 pub use table::{Column, Table};
 pub use value::{KeyFigure, Outcome, Target, Value};

@@ -1,5 +1,7 @@
 //! The page: one HTML file with everything inside.
 
+use std::path::Path;
+
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, Value as Jinja};
@@ -15,6 +17,7 @@ use crate::number::{format_decimals, format_integer, format_number, format_unit}
 use crate::provenance::Provenance;
 use crate::table::Table;
 use crate::value::{KeyFigure, Outcome, Target, Value};
+use crate::write;
 
 const TEMPLATE: &str = include_str!("../assets/page.html");
 const STYLE: &str = include_str!("../assets/page.css");
@@ -32,16 +35,29 @@ const DIGITS: usize = 4;
 /// Most bytes of a page; figures of a larger one are drawn with fewer points.
 const MOST_BYTES: usize = 950_000;
 
-/// Renders the page: with all points where they have room.
-pub(crate) fn render(report: &Report) -> Result<String, ReportError> {
-    let mut page = String::new();
-    for detail in Detail::LEVELS {
-        page = render_at(report, detail)?;
-        if page.len() <= MOST_BYTES {
-            break;
+impl Report {
+    /// The page: one self-contained HTML file, with all points where they have room.
+    ///
+    /// # Errors
+    /// [`ReportError::Template`] or [`ReportError::Json`] if rendering fails.
+    pub fn to_html(&self) -> Result<String, ReportError> {
+        let mut page = String::new();
+        for detail in Detail::LEVELS {
+            page = render_at(self, detail)?;
+            if page.len() <= MOST_BYTES {
+                break;
+            }
         }
+        Ok(page)
     }
-    Ok(page)
+
+    /// Writes the page, complete or not at all.
+    ///
+    /// # Errors
+    /// Those of [`Report::to_html`], and [`ReportError::Write`].
+    pub fn write_html(&self, path: impl AsRef<Path>) -> Result<(), ReportError> {
+        write::complete(path.as_ref(), &self.to_html()?)
+    }
 }
 
 fn render_at(report: &Report, detail: Detail) -> Result<String, ReportError> {

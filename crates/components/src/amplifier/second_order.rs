@@ -15,7 +15,7 @@ use crate::low_pass::{self, LowPass};
 
 /// The component `amplifier-second-order`.
 pub static AMPLIFIER_SECOND_ORDER: LowPass =
-    LowPass { declaration: &DECLARATION, law: low_pass::with_gain };
+    LowPass { declaration: &DECLARATION, law: low_pass::with_gain, extended: |_| None };
 
 static DECLARATION: Declaration = Declaration {
     kind: "amplifier-second-order",

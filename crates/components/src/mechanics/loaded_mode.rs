@@ -24,7 +24,8 @@ use crate::low_pass::LowPass;
 use crate::rules::{WRONG_LENGTH, require, second_order};
 
 /// The component `loaded-mode`.
-pub static LOADED_MODE: LowPass = LowPass { declaration: &DECLARATION, law: loaded };
+pub static LOADED_MODE: LowPass =
+    LowPass { declaration: &DECLARATION, law: loaded, extended: |_| None };
 
 static DECLARATION: Declaration = Declaration {
     kind: "loaded-mode",

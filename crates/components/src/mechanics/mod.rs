@@ -48,15 +48,3 @@ pub(crate) static COMPONENTS: model::Registry = &[
     &Vibration,
     &MechanicalPort,
 ];
-
-/// What a linear mode becomes with one thing more.
-pub(crate) fn extended(by: model::Extension) -> Option<&'static dyn model::Component> {
-    use model::Extension;
-    match by {
-        Extension::Hardening => Some(&Duffing),
-        Extension::PositionStiffness => Some(&PositionStiffness),
-        Extension::Friction => Some(&Friction),
-        Extension::NonlinearDamping => Some(&NonlinearDamping),
-        _ => None,
-    }
-}

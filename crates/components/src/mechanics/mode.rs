@@ -11,13 +11,15 @@
 //!
 //! Limits: one mode, collocated; linear.
 
-use model::{Conversion, Declaration, Input, Output, Quantity, Role, Stage};
+use model::{Component, Conversion, Declaration, Extension, Input, Output, Quantity, Role, Stage};
 
+use super::{Duffing, Friction, NonlinearDamping, PositionStiffness};
 use crate::effects;
 use crate::low_pass::{self, LowPass};
 
 /// The component `mode`.
-pub static MODE: LowPass = LowPass { declaration: &DECLARATION, law: low_pass::with_gain };
+pub static MODE: LowPass =
+    LowPass { declaration: &DECLARATION, law: low_pass::with_gain, extended };
 
 static DECLARATION: Declaration = Declaration {
     kind: "mode",
@@ -45,6 +47,17 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("gain", "1", "Static gain").role(Role::Gain).start(1.0).fitted(),
     ],
 };
+
+/// What a linear mode becomes with one thing more.
+fn extended(by: Extension) -> Option<&'static dyn Component> {
+    match by {
+        Extension::Hardening => Some(&Duffing),
+        Extension::PositionStiffness => Some(&PositionStiffness),
+        Extension::Friction => Some(&Friction),
+        Extension::NonlinearDamping => Some(&NonlinearDamping),
+        _ => None,
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -13,7 +13,8 @@ use crate::low_pass::LowPass;
 use crate::rules::{WRONG_LENGTH, second_order};
 
 /// The component `sensor-second-order`.
-pub static SENSOR_SECOND_ORDER: LowPass = LowPass { declaration: &DECLARATION, law: unit_gain };
+pub static SENSOR_SECOND_ORDER: LowPass =
+    LowPass { declaration: &DECLARATION, law: unit_gain, extended: |_| None };
 
 static DECLARATION: Declaration = Declaration {
     kind: "sensor-second-order",

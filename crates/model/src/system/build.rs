@@ -13,10 +13,10 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use self::variables::{Units, enabled_variable, output_variable, parameter_variable};
-use super::cells::FEW_PORTS;
 use super::{
-    ALWAYS_ON, AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire, Wiring,
+    ALWAYS_ON, AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire,
 };
+use crate::wiring::{FEW_PORTS, Wiring};
 use crate::{
     Context, DataType, Declaration, Output, Quantity, Shape, Source, Unit, Variable, VariableTable,
     Within,

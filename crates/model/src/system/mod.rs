@@ -13,7 +13,6 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::Range;
 
-pub use cells::Wiring;
 pub use derivative::{DerivativeError, DerivativeRoom};
 pub use past::Past;
 pub use spec::{
@@ -25,6 +24,7 @@ use straight::{Affine, Straight};
 
 use crate::{
     Causality, ComponentRef, Context, ContextError, SetError, Unit, VariableTable, Violation,
+    Wiring,
 };
 
 /// A system: an immutable plan and one [`Context`].

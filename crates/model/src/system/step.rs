@@ -1,7 +1,8 @@
 //! Rest and steps: what runs at each communication step, and allocates nothing.
 
-use super::cells::{Span, own_seed};
+use super::cells::own_seed;
 use super::{Past, Plan, StepError, System};
+use crate::wiring::Span;
 use crate::{Context, Tick};
 
 /// Passes over the chain within which signals that are read back must settle at rest.

@@ -58,11 +58,13 @@ pub(crate) fn figure_html(figure: &Figure, number: usize, detail: Detail) -> Str
     html
 }
 
-/// A figure as a picture of its own.
-pub(crate) fn standalone(figure: &Figure) -> String {
-    let chart = views::of(figure);
-    let layout = draw::Layout::wide(&chart, Detail::LEVELS[0]).with_legend(&chart, STYLE);
-    draw::picture(&chart, layout, "figure")
+impl Figure {
+    /// The figure as a picture of its own: an SVG file with legend, light and dark.
+    pub fn to_svg(&self) -> String {
+        let chart = views::of(self);
+        let layout = draw::Layout::wide(&chart, Detail::LEVELS[0]).with_legend(&chart, STYLE);
+        draw::picture(&chart, layout, "figure")
+    }
 }
 
 /// The legend; the interactive layer turns its items into switches with a read-out.

@@ -14,8 +14,6 @@ pub use spectrum::{Spectrum, SpectrumTrace};
 pub use time_series::{Panel, TimeSeries, Trace};
 pub use xy_loop::{Loop, XyLoop};
 
-use crate::chart;
-
 /// Points kept per trace over time; the interactive layer zooms into these.
 pub(crate) const TIME_POINTS: usize = 4000;
 /// Points kept per loop, spectrum or response.
@@ -69,11 +67,6 @@ impl Figure {
             Self::Bode(figure) => figure.caption.as_deref(),
             Self::Histogram(figure) => figure.caption.as_deref(),
         }
-    }
-
-    /// The figure as a picture of its own: an SVG file with legend, light and dark.
-    pub fn to_svg(&self) -> String {
-        chart::standalone(self)
     }
 }
 
