@@ -7,6 +7,7 @@ use components::find;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use model::{Component, Tick};
+use numerics::random::XorshiftStar64;
 
 const STEPS: usize = 1000;
 const T: f64 = 2e-5;
@@ -51,12 +52,8 @@ fn sine() -> Vec<f64> {
 }
 
 fn noise() -> Vec<f64> {
-    let mut x = 1u64;
-    let mut next = || {
-        x = x.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        120.0 * (x >> 11) as f64 / (1u64 << 53) as f64
-    };
-    (0..STEPS).map(|_| next()).collect()
+    let mut random = XorshiftStar64::new(1);
+    (0..STEPS).map(|_| 120.0 * random.uniform()).collect()
 }
 
 fn run(bencher: Bencher<'_, '_>, mut instance: Instance, signal: Vec<f64>) {

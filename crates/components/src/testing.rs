@@ -4,6 +4,7 @@ use std::vec;
 use std::vec::Vec;
 
 use model::{Component, Tick, Violation};
+use numerics::random::XorshiftStar64;
 
 /// A component with its own slices and clock.
 pub(crate) struct Instance {
@@ -85,21 +86,17 @@ pub(crate) fn triangle(low: f64, high: f64, points: usize, periods: usize) -> Ve
     one.collect::<Vec<_>>().repeat(periods)
 }
 
-/// A small deterministic generator for signals whose distribution does not matter (xorshift64*).
-pub(crate) struct Random(u64);
+/// Random numbers for signals whose distribution does not matter.
+pub(crate) struct Random(XorshiftStar64);
 
 impl Random {
     pub(crate) fn new(seed: u64) -> Self {
-        Self(seed | 1)
+        Self(XorshiftStar64::from_state(seed | 1))
     }
 
     /// Uniform from `low` to `high`.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let bits = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11;
-        low + (high - low) * bits as f64 / (1u64 << 53) as f64
+        low + (high - low) * self.0.uniform()
     }
 
     pub(crate) fn signal(&mut self, low: f64, high: f64, count: usize) -> Vec<f64> {

@@ -7,28 +7,21 @@
 
 use components::{COMPONENTS, find};
 use model::{Component, Quantity, Tick};
+use numerics::random::SplitMix64;
 
 const T: f64 = 5e-5;
 
-/// SplitMix64.
-struct Dice(u64);
+struct Dice(SplitMix64);
 
 impl Dice {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-    /// From 0 to 1.
-    fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    fn new(seed: u64) -> Self {
+        Self(SplitMix64::from_state(seed))
     }
     fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
+        low + (high - low) * self.0.uniform()
     }
     fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
+        (self.0.bits() % n as u64) as usize
     }
     /// Positive, each decade alike.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
@@ -180,7 +173,7 @@ fn finite_inputs_give_finite_outputs_wherever_the_parameters_are() {
     let (mut all, mut accepted) = (0, 0);
     for component in COMPONENTS.iter().copied() {
         let kind = component.declaration().kind;
-        let mut dice = Dice(kind.bytes().map(u64::from).sum());
+        let mut dice = Dice::new(kind.bytes().map(u64::from).sum());
         let mut taken = 0;
         for draw in 0..draws() {
             let (structure, values) = drawn(&mut dice, component);
@@ -238,7 +231,7 @@ fn second_order_gain(damping: f64) -> f64 {
 
 #[test]
 fn passive_components_add_no_energy() {
-    let mut dice = Dice(7);
+    let mut dice = Dice::new(7);
     for _ in 0..draws() {
         let (damping, gain) = (dice.decades(1e-3, 1.5), dice.decades(1e-2, 1e2));
         let frequency = dice.decades(10.0, 0.4 / T);
@@ -330,7 +323,7 @@ fn close(a: f64, b: f64) -> bool {
 
 #[test]
 fn operators_forget_what_a_larger_excursion_wipes_out() {
-    let mut dice = Dice(11);
+    let mut dice = Dice::new(11);
     let mut done = 0;
     for _ in 0..draws() {
         let (kind, structure, values) = operator(&mut dice);
@@ -353,7 +346,7 @@ fn operators_forget_what_a_larger_excursion_wipes_out() {
 
 #[test]
 fn minor_loops_close_and_are_congruent() {
-    let mut dice = Dice(13);
+    let mut dice = Dice::new(13);
     let mut done = 0;
     for _ in 0..draws() {
         let (kind, structure, values) = operator(&mut dice);
@@ -380,10 +373,11 @@ fn results_are_the_same_bits_in_every_run_and_thread() {
     let run = || {
         let mut sum = Vec::new();
         for component in COMPONENTS.iter().copied() {
-            let mut dice = Dice(17);
+            let mut dice = Dice::new(17);
             for _ in 0..40 {
                 let (structure, values) = drawn(&mut dice, component);
-                let inputs: Vec<f64> = (0..input_count(component)).map(|_| dice.unit()).collect();
+                let inputs: Vec<f64> =
+                    (0..input_count(component)).map(|_| dice.0.uniform()).collect();
                 let Some(mut live) = Live::new(component, &structure, &values, &inputs) else {
                     continue;
                 };

@@ -5,6 +5,7 @@
 
 use components::{COMPONENTS, find};
 use model::{AxisSpec, Connections, Kind, NodeSpec, StepError, System, SystemSpec};
+use numerics::random::XorshiftStar64;
 use proptest::prelude::*;
 
 const T: f64 = 1e-4;
@@ -245,10 +246,9 @@ fn a_chain_of_gains_steps_in_place_to_the_bit() {
     let (mut quick, mut slow) = (chain(), chain());
     let (mut past, mut known) = (quick.past(), slow.past());
     assert!(quick.is_affine() && !plant().is_affine() && !controller().is_affine());
-    let mut random = 1_u64;
+    let mut random = XorshiftStar64::new(1);
     for k in 0..500_u32 {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        let command = (random >> 40) as f64 * 1e-4 - 800.0;
+        let command = 1600.0 * random.uniform() - 800.0;
         for system in [&mut quick, &mut slow] {
             drive(system, &[command]);
         }

@@ -1,7 +1,14 @@
 //! Random numbers that are the same at every run and on every machine.
 
+/// Uniform on [0, 1) from 64 random bits.
+const fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
 /// SplitMix64: G. L. Steele, D. Lea, C. H. Flood, *Fast splittable pseudorandom number generators*,
 /// OOPSLA 2014.
+///
+/// It stays beside [`XorshiftStar64`]: fits, identification records and prediction intervals depend on its numbers.
 #[derive(Clone, Debug)]
 pub struct SplitMix64(u64);
 
@@ -18,13 +25,17 @@ impl SplitMix64 {
         Self(state)
     }
 
+    /// The next 64 bits.
+    pub const fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
     /// Uniform on [0, 1).
     pub const fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        unit(self.bits())
     }
 
     /// Standard normal (Box and Muller).
@@ -35,6 +46,8 @@ impl SplitMix64 {
 }
 
 /// Xorshift of 64 bits: G. Marsaglia, Journal of Statistical Software 8 (2003) 14.
+///
+/// It stays beside [`XorshiftStar64`]: designs of controllers depend on its numbers.
 #[derive(Clone, Debug)]
 pub struct Xorshift64(u64);
 
@@ -50,11 +63,13 @@ impl Xorshift64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+        unit(self.0)
     }
 }
 
 /// Xorshift of 64 bits whose numbers are mixed by a product: S. Vigna, ACM Trans. Math. Softw. 42 (2016) 30.
+///
+/// The generator for everything new.
 #[derive(Clone, Debug)]
 pub struct XorshiftStar64(u64);
 
@@ -62,7 +77,13 @@ impl XorshiftStar64 {
     /// A generator of this seed.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+        Self::from_state(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    /// A generator in this state, which is not 0.
+    #[must_use]
+    pub const fn from_state(state: u64) -> Self {
+        Self(state)
     }
 
     /// Uniform on [0, 1).
@@ -70,7 +91,7 @@ impl XorshiftStar64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1_u64 << 53) as f64
+        unit(self.0.wrapping_mul(0x2545_f491_4f6c_dd1d))
     }
 
     /// Uniform in 0..n, and 0 where n is 0.

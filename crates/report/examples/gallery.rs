@@ -6,28 +6,11 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use numerics::random::SplitMix64;
 use report::{
     Axis, Block, Bode, Column, Histogram, InputFile, KeyFigure, Provenance, Report, Role, Section,
     Spectrum, Table, TimeSeries, Value, Verdict, XyLoop, utc_timestamp,
 };
-
-/// A seeded generator (SplitMix64) is enough for a picture.
-struct Noise(u64);
-
-impl Noise {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Box and Muller.
-    fn gauss(&mut self) -> f64 {
-        let radius = (-2.0 * self.uniform().max(1e-300).ln()).sqrt();
-        radius * (TAU * self.uniform()).cos()
-    }
-}
 
 /// Prandtl–Ishlinskii: a sum of plays with falling weights.
 struct Hysteresis {
@@ -114,7 +97,7 @@ fn gallery() -> Report {
 
 fn overlay() -> Section {
     let n = 200_000;
-    let (mut plant, mut noise) = (Hysteresis::new(), Noise(1));
+    let (mut plant, mut noise) = (Hysteresis::new(), SplitMix64::new(1));
     let time: Vec<f64> = (0..n).map(|i| f64::from(i) * 5e-5).collect();
     let command: Vec<f64> = time
         .iter()
@@ -124,7 +107,7 @@ fn overlay() -> Section {
     let measured: Vec<f64> = simulated
         .iter()
         .zip(&command)
-        .map(|(y, u)| y + 0.012 * (u / 16.0).sin() + 0.003 * noise.gauss())
+        .map(|(y, u)| y + 0.012 * (u / 16.0).sin() + 0.003 * noise.normal())
         .collect();
     let error: Vec<f64> = measured.iter().zip(&simulated).map(|(a, b)| a - b).collect();
     Section::new("Overlay of measurement and model")
@@ -146,13 +129,13 @@ fn overlay() -> Section {
 }
 
 fn hysteresis() -> Section {
-    let mut noise = Noise(2);
+    let mut noise = SplitMix64::new(2);
     let mut run = |amplitude: f64, gain: f64, sigma: f64| -> (Vec<f64>, Vec<f64>) {
         let mut plant = Hysteresis::new();
         (0..6000)
             .map(|i| {
                 let u = 50.0 - amplitude * (TAU * f64::from(i) / 2000.0).cos();
-                (u, gain * plant.step(u) + sigma * noise.gauss())
+                (u, gain * plant.step(u) + sigma * noise.normal())
             })
             .skip(2000)
             .unzip()
@@ -185,9 +168,9 @@ fn creep() -> Section {
         let steps = (1..=5).map(|k| f64::from(k) * 20.0).filter(|at| *at < t);
         steps.map(|at| 2.0 * (1.0 + gain * (1.0 + (t - at) / 0.1).log10())).sum()
     };
-    let mut noise = Noise(3);
+    let mut noise = SplitMix64::new(3);
     let measured: Vec<f64> =
-        time.iter().map(|t| with_creep(*t, 0.02) + 0.008 * noise.gauss()).collect();
+        time.iter().map(|t| with_creep(*t, 0.02) + 0.008 * noise.normal()).collect();
     let model: Vec<f64> = time.iter().map(|t| with_creep(*t, 0.0)).collect();
     let command: Vec<f64> = time.iter().map(|t| stair(*t)).collect();
     Section::new("Creep on a staircase").figure(
@@ -208,7 +191,7 @@ fn mode(f: f64, f0: f64, zeta: f64, delay: f64) -> (f64, f64) {
 }
 
 fn response() -> Section {
-    let mut noise = Noise(4);
+    let mut noise = SplitMix64::new(4);
     let lines: Vec<f64> = (0..45).map(|k| 10.0 * 200_f64.powf(f64::from(k) / 44.0)).collect();
     let coherence: Vec<f64> =
         lines.iter().map(|f| 1.0 / (1.0 + (f / 1500.0).powi(4) + 0.02 * noise.uniform())).collect();
@@ -216,7 +199,7 @@ fn response() -> Section {
         .iter()
         .map(|f| {
             let (m, p) = mode(*f, 482.6, 0.021, 1.2e-4);
-            (m * (1.0 + 0.03 * noise.gauss()), p + 0.02 * noise.gauss())
+            (m * (1.0 + 0.03 * noise.normal()), p + 0.02 * noise.normal())
         })
         .collect();
     let dense: Vec<f64> = (0..1500).map(|k| 10.0 * 200_f64.powf(f64::from(k) / 1499.0)).collect();
@@ -248,10 +231,10 @@ fn response() -> Section {
 }
 
 fn residuals() -> Section {
-    let mut noise = Noise(5);
+    let mut noise = SplitMix64::new(5);
     let before: Vec<f64> =
-        (0..20_000).map(|i| 0.09 * (f64::from(i) * 0.013).sin() + 0.01 * noise.gauss()).collect();
-    let after: Vec<f64> = (0..20_000).map(|_| 0.012 * noise.gauss()).collect();
+        (0..20_000).map(|i| 0.09 * (f64::from(i) * 0.013).sin() + 0.01 * noise.normal()).collect();
+    let after: Vec<f64> = (0..20_000).map(|_| 0.012 * noise.normal()).collect();
     let lags: Vec<f64> = (-25..=25).map(f64::from).collect();
     let correlation: Vec<f64> = lags
         .iter()
