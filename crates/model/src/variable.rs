@@ -4,7 +4,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 
-use crate::Unit;
+use crate::{Unit, fnv_128};
 
 /// Type of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -197,39 +197,22 @@ impl VariableTable {
     /// FMU's GUID, so that XML and binary cannot disagree unnoticed.
     #[must_use]
     pub fn fingerprint(&self) -> String {
-        let mut hash = Fnv::new();
+        let mut bytes = Vec::new();
         for (reference, v) in self.variables.iter().enumerate() {
-            hash.write(v.name.as_bytes());
-            hash.write(&[0]);
-            hash.write(&(reference as u32).to_le_bytes());
-            hash.write(&[v.data_type as u8, v.causality as u8, u8::from(v.discrete)]);
-            hash.write(v.unit.as_bytes());
-            hash.write(&[0]);
+            bytes.extend(v.name.bytes());
+            bytes.push(0);
+            bytes.extend((reference as u32).to_le_bytes());
+            bytes.extend([v.data_type as u8, v.causality as u8, u8::from(v.discrete)]);
+            bytes.extend(v.unit.bytes());
+            bytes.push(0);
             match v.start {
-                Some(start) => hash.write(&start.to_bits().to_le_bytes()),
-                None => hash.write(&[0xff]),
+                Some(start) => bytes.extend(start.to_bits().to_le_bytes()),
+                None => bytes.push(0xff),
             }
         }
         let mut text = String::with_capacity(32);
-        let _ = fmt::write(&mut text, format_args!("{:032x}", hash.0));
+        let _ = fmt::write(&mut text, format_args!("{:032x}", fnv_128(bytes)));
         text
-    }
-}
-
-/// FNV-1a, 128 bit.
-struct Fnv(u128);
-
-impl Fnv {
-    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-
-    fn new() -> Self {
-        Self(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.0 = (self.0 ^ u128::from(*byte)).wrapping_mul(Self::PRIME);
-        }
     }
 }
 
@@ -257,19 +240,3 @@ impl fmt::Display for SetError {
 }
 
 impl core::error::Error for SetError {}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fnv_matches_the_published_vectors() {
-        let hash = |text: &str| {
-            let mut h = Fnv::new();
-            h.write(text.as_bytes());
-            h.0
-        };
-        assert_eq!(hash(""), 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
-        assert_eq!(hash("a"), 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
-    }
-}

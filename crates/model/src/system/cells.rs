@@ -1,7 +1,7 @@
 //! The cells of a context while components run.
 
 use super::{Node, Past, Plan, Wire};
-use crate::Tick;
+use crate::{Tick, fnv_64};
 
 impl Plan {
     /// Feeds the signals of the inputs with their values.
@@ -120,8 +120,7 @@ impl Plan {
 
     /// FNV-1a over the bits of all signals.
     pub(super) fn fingerprint(&self, cells: &[f64]) -> u64 {
-        let mix = |hash: u64, x: &f64| (hash ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
-        cells[self.blocks[2]..].iter().fold(0xcbf2_9ce4_8422_2325, mix)
+        fnv_64(cells[self.blocks[2]..].iter().map(|x| x.to_bits()))
     }
 }
 
@@ -165,10 +164,7 @@ pub(super) fn copy(to: &mut [f64], from: &[f64]) {
 /// A seed as the component sees it: mixed with the component's place (`axis[2].noise`), so that two
 /// of them never draw the same numbers, whatever their seeds. A number from 1 to 2.
 pub(super) fn own_seed(seed: f64, place: &str) -> f64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for byte in seed.to_bits().to_le_bytes().into_iter().chain(place.bytes()) {
-        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-    }
+    let mut hash = fnv_64(seed.to_bits().to_le_bytes().into_iter().chain(place.bytes()));
     // Two rounds of mixing spread the last bytes over all bits.
     hash = (hash ^ (hash >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
     hash = (hash ^ (hash >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
