@@ -200,13 +200,12 @@ mod tests {
 
     /// Mean power in the band from f to 1.2 f, over the white density, by single-frequency sums.
     fn density(all: &[f64], f: f64) -> f64 {
-        let (window, mut sum, mut count) = (16_384, 0.0, 0.0);
-        for block in all.chunks_exact(window) {
+        let (window, mut sum, mut count) = (numerics::spectrum::hann(16_384), 0.0, 0.0);
+        for block in all.chunks_exact(window.len()) {
             for step in 0..4 {
                 let f = f * (1.0 + 0.05 * f64::from(step));
                 let (mut re, mut im, mut norm) = (0.0, 0.0, 0.0);
-                for (n, y) in block.iter().enumerate() {
-                    let hann = (core::f64::consts::PI * n as f64 / window as f64).sin().powi(2);
+                for (n, (y, hann)) in block.iter().zip(&window).enumerate() {
                     let (s, c) = (TAU * f * 1e-3 * n as f64).sin_cos();
                     re += hann * y * c;
                     im += hann * y * s;
