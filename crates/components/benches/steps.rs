@@ -113,7 +113,7 @@ fn preisach_120_levels_noise(bencher: Bencher<'_, '_>) {
     run(bencher, preisach(), noise());
 }
 
-/// The same 7260 relays one by one, in the plain form of the definition.
+/// All 7260 relays one by one, in the plain form of the definition.
 #[divan::bench]
 fn preisach_120_levels_relay_by_relay(bencher: Bencher<'_, '_>) {
     let (mu, signal) = (weights(), sine());

@@ -83,7 +83,7 @@ impl Inverse {
 pub struct Way {
     /// The component.
     pub component: &'static dyn Component,
-    /// Its structure.
+    /// The component's structure.
     pub structure: alloc::vec::Vec<f64>,
     /// For each of its values the number of the coupling's value that it is.
     pub takes: alloc::vec::Vec<usize>,
@@ -181,7 +181,7 @@ pub trait Component: Send + Sync {
     }
 
     /// Values of an example by name, in the declared units on an axis in V and um; structural settings that no
-    /// list tells, too. Empty: its strength in `rigs/effects.toml` is the example.
+    /// length of a list gives, too. Empty: its strength in `rigs/effects.toml` is the example.
     fn example(&self) -> Example {
         &[]
     }
@@ -286,8 +286,8 @@ pub trait Component: Send + Sync {
         });
     }
 
-    /// As [`step_within`](Self::step_within), for an instance with one input, whose signal is given,
-    /// and one output, whose signal is returned.
+    /// [`step`](Self::step) on the cells of a system, of an instance with one input, whose signal is
+    /// given, and one output, whose signal is returned.
     #[cfg(not(target_family = "wasm"))]
     #[doc(hidden)]
     fn step_straight(&self, wiring: &Wiring, cells: &mut [f64], tick: &Tick, input: f64) -> f64 {
@@ -324,9 +324,9 @@ pub trait Component: Send + Sync {
 /// built from it.
 #[derive(Clone)]
 pub enum ComponentRef {
-    /// Of the registry.
+    /// One of the registry.
     Static(&'static dyn Component),
-    /// With its own table.
+    /// One with its own table.
     Shared(Arc<dyn Component>),
 }
 
@@ -371,7 +371,7 @@ pub struct Record<'a> {
     pub state: alloc::vec::Vec<f64>,
 }
 
-/// The same once for all components: in a source-code FMU each copy is C that is compiled.
+/// Steps on the cells of a system, once for all components: in a source-code FMU each copy is C that is compiled.
 #[cfg(target_family = "wasm")]
 impl dyn Component {
     pub(crate) fn step_within(&self, wiring: &Wiring, cells: &mut [f64], tick: &Tick) {

@@ -32,7 +32,7 @@ pub struct Search {
 /// A unit of [`Search`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// That of the parameter.
+    /// The unit of the parameter.
     Own,
     /// The growth of thresholds with the command's rate, in s, by which a command that crosses its range within the
     /// time fitted on moves them by half the range: a twentieth of that time.
@@ -54,7 +54,7 @@ pub struct Missing {
 pub struct Free {
     /// The parameter.
     pub quantity: &'static str,
-    /// Its name in answers and in repaired FMUs.
+    /// The parameter's name in answers and in repaired FMUs.
     pub name: &'static str,
     /// Where it is looked for.
     pub range: Range,

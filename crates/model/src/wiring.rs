@@ -16,7 +16,7 @@ pub struct Wiring {
     pub(crate) state: Span,
     /// Signals read by its input ports, as many as `input_count`, where they are few.
     pub(crate) inputs: [usize; FEW_PORTS],
-    /// As `inputs`, where they are more.
+    /// Signals read by its input ports, where they are more.
     pub(crate) many_inputs: Vec<usize>,
     pub(crate) input_count: usize,
     /// Signals written by its output ports.
@@ -75,8 +75,8 @@ impl Wiring {
         component(coefficients, state, inputs, outputs);
     }
 
-    /// As [`apply`](Self::apply), for an instance with one input, whose signal is given, and one
-    /// output, whose signal is returned.
+    /// Hands the slices of an instance with one input, whose signal is given, to a component, and
+    /// returns the signal of its one output.
     #[inline(always)]
     pub(crate) fn apply_straight(
         &self,
@@ -102,7 +102,7 @@ impl Wiring {
         }
     }
 
-    /// The same, to be connected.
+    /// The signals that the input ports read, to be connected.
     pub(crate) fn signals_mut(&mut self) -> &mut [usize] {
         if self.many_inputs.is_empty() {
             &mut self.inputs[..self.input_count.min(FEW_PORTS)]

@@ -217,7 +217,7 @@ impl Report {
         }
     }
 
-    /// Writes the JSON, whole or not at all.
+    /// Writes the JSON, complete or not at all.
     ///
     /// # Errors
     /// Those of [`Report::to_json`], and [`ReportError::Write`].

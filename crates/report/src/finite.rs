@@ -13,7 +13,7 @@ pub(crate) fn deserialize<'de, D: Deserializer<'de>>(input: D) -> Result<Vec<f64
     Ok(values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
 }
 
-/// The same for a list that may be absent.
+/// Writes and reads a list that may be absent.
 pub(crate) mod optional {
     use super::{Deserialize, Deserializer, Serialize, Serializer};
 

@@ -1,10 +1,10 @@
-//! Files that appear whole or not at all.
+//! Files that appear complete or not at all.
 
 use std::path::Path;
 
 use crate::error::ReportError;
 
-/// Writes `text` as the whole file `path`.
+/// Writes `text` as the complete file `path`.
 pub(crate) fn complete(path: &Path, text: &str) -> Result<(), ReportError> {
     files::WholeFile::write_all_of(path, text.as_bytes())
         .map_err(|source| ReportError::Write { path: path.to_path_buf(), source })

@@ -76,7 +76,7 @@ impl Channel {
         (!constant).then(|| peak / libm::sqrt(square))
     }
 
-    /// The same shape as another quantity: values times `gain`, under another name and unit. A
+    /// This shape as another quantity: values times `gain`, under another name and unit. A
     /// voltage becomes a reference position in this way.
     #[must_use]
     pub fn scaled(&self, gain: f64, name: &str, unit: &str) -> Self {

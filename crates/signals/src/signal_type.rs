@@ -142,7 +142,7 @@ impl SignalType {
     /// The values of all parameters, checked.
     ///
     /// # Errors
-    /// As [`generate`](Self::generate).
+    /// [`SignalError`] with every problem of the settings.
     pub fn checked(&self, given: &[(&str, f64)]) -> Result<Settings, SignalError> {
         let (mut settings, mut problems) = self.merged(given);
         if problems.is_empty() {

@@ -143,7 +143,7 @@ pub struct Campaign {
     /// Logs of the campaign: what drives the machine, or, without one, measured logs.
     #[serde(default)]
     pub logs: Vec<String>,
-    /// The same, only used to judge a diagnosis.
+    /// Logs that are only used to judge a diagnosis.
     #[serde(default)]
     pub holdout: Vec<String>,
     /// FMU, blueprint or rig that is diagnosed.

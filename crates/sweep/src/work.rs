@@ -83,7 +83,7 @@ pub fn work<W: Worker, E: Send>(
     })
 }
 
-/// As `work`, on the calling thread.
+/// Does the runs on the calling thread.
 fn alone<W: Worker, E>(
     runs: &[u64],
     hire: impl Fn() -> Result<W, E>,

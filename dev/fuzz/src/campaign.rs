@@ -30,7 +30,7 @@ const POOL: usize = 4096;
 pub struct Figures {
     /// Inputs that were read.
     pub executions: u64,
-    /// Of them, accepted.
+    /// Inputs that were accepted.
     pub accepted: u64,
     /// Different behaviours: texts without their numbers and quotations.
     pub behaviours: usize,
@@ -38,7 +38,7 @@ pub struct Figures {
     pub most_bytes: usize,
     /// Longest time of a processor that one took.
     pub longest: Duration,
-    /// Time of the whole.
+    /// Time of the campaign.
     pub time: Duration,
 }
 

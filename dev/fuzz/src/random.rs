@@ -31,7 +31,7 @@ impl Random {
     /// One of these.
     ///
     /// # Panics
-    /// There is none.
+    /// `all` is empty.
     pub fn of<'a, T>(&mut self, all: &'a [T]) -> &'a T {
         &all[self.below(all.len())]
     }

@@ -24,8 +24,8 @@ pub fn update(state: &mut RateState, u: f64, per_period: f64) {
     step(state, u, per_period);
 }
 
-/// As [`update`], and returns by how much the rate has changed over the time that the command is held
-/// for: ü, where the rate is a new one.
+/// Takes over the command of a step, and returns by how much the rate has changed over the time that the
+/// command is held for: ü, where the rate is a new one.
 #[inline]
 pub fn step(state: &mut RateState, u: f64, per_period: f64) -> Option<f64> {
     let [last, rate, since, held, gap] = state;

@@ -98,7 +98,7 @@ pub(super) fn widened(plays: Plays<'_>, u: f64, wider: f64, state: &mut [f64]) -
     sum
 }
 
-/// As [`widened`], with the state kept.
+/// The sum of plays whose thresholds are all `wider` than given; the state stays as it is.
 #[inline]
 pub(super) fn widened_frozen(plays: Plays<'_>, u: f64, wider: f64, state: &[f64]) -> f64 {
     let terms = state.iter().zip(plays.r).zip(plays.w);

@@ -44,20 +44,20 @@ impl SubSteps {
         Ok(Self::of_count(frequency, damping, count, period))
     }
 
-    /// With so many sub-steps.
+    /// A step of `count` sub-steps.
     pub(super) fn of_count(frequency: f64, damping: f64, count: f64, period: f64) -> Self {
         let full = Transition::new(frequency, damping, period / count);
         let half = Transition::new(frequency, damping, 0.5 * period / count);
         Self { full, half, count }
     }
 
-    /// As coefficients of a component.
+    /// The coefficients of a component.
     pub(super) fn to_array(self) -> [f64; Self::COEFFICIENTS] {
         let Self { full, half, count } = self;
         [full.same, full.cross, full.rate, half.same, half.cross, half.rate, count]
     }
 
-    /// From coefficients of a component.
+    /// The sub-steps that coefficients of a component stand for.
     #[inline]
     pub(super) fn of([a, b, c, d, e, f, count]: [f64; Self::COEFFICIENTS]) -> Self {
         let full = Transition { same: a, cross: b, rate: c };

@@ -77,7 +77,7 @@ fn complete(
     Some((declaration.kind, structure.leak(), values.leak()))
 }
 
-/// Of those that declare none and are not in `rigs/effects.toml`, or not with all their parts.
+/// Examples of the components that declare none and are not in `rigs/effects.toml`, or not with all their parts.
 const OWN: &[Example] = &[
     ("amplifier-lag", &[], &[800.0, 1.1]),
     ("amplifier-foldback", &[], &[0.02, 0.1, 1e-6, 0.5]),

@@ -12,7 +12,7 @@ impl Plan {
         }
     }
 
-    /// As [`read_inputs`](Self::read_inputs), and notes the values and the state.
+    /// Feeds the signals of the inputs with their values, and notes the values and the state.
     #[inline(always)]
     pub(super) fn begin(&self, cells: &mut [f64], past: &mut Past) {
         self.note_state(cells, past);
@@ -56,7 +56,7 @@ impl Plan {
         }
     }
 
-    /// As [`read_inputs`](Self::read_inputs), `elapsed` seconds along the slopes.
+    /// Feeds the signals of the inputs with their values `elapsed` seconds along the slopes.
     pub(super) fn move_inputs(&self, cells: &mut [f64], slopes: &[f64], elapsed: f64) {
         for ((input, wire), slope) in self.inputs.iter().enumerate().zip(slopes) {
             cells[wire.signal] = wire.unit.to_si(cells[input] + slope * elapsed);

@@ -230,7 +230,7 @@ impl System {
     /// Whether [`set`](Self::set) would take this value.
     ///
     /// # Errors
-    /// As [`set`](Self::set).
+    /// [`SetError`]: why it would not.
     #[inline]
     pub fn check(&self, reference: u32, value: f64) -> Result<(), SetError> {
         match self.plan.variables.gate(reference) {

@@ -33,7 +33,7 @@ pub struct Past {
 /// Where the present outputs come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Last {
-    /// They are those at rest, and not yet those of a step.
+    /// The state of rest; no step was done yet.
     Rest,
     /// The step that was noted.
     Step,

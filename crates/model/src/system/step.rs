@@ -23,7 +23,7 @@ impl System {
         self.show(&mut [])
     }
 
-    /// As that of the plan, with an error where an output is not finite.
+    /// Shows the signals as values of the outputs; an error where one is not finite.
     fn show(&mut self, noted: &mut [f64]) -> Result<(), StepError> {
         let (plan, cells) = self.split();
         if plan.show(cells, noted) { Ok(()) } else { Err(self.not_finite()) }
@@ -59,13 +59,13 @@ impl System {
         self.hits(time, 0.0, &[], None)
     }
 
-    /// As [`advance`](Self::advance), with inputs that move on straight lines: at time `t` the input
+    /// Performs every hit up to `time` with inputs that move on straight lines: at time `t` the input
     /// with value reference `i` is `u_i + slopes[i]·(t − from)`, `u_i` being the value that was set
     /// and the slope in its unit per second. Hit `n` takes the inputs as they are at `t_{n-1}`, as
     /// if they were set there. Inputs without a slope here are held.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// [`StepError`]: parameters that break a rule, or an output that is not finite.
     pub fn advance_along(
         &mut self,
         time: f64,
@@ -75,10 +75,11 @@ impl System {
         self.hits(time, from, slopes, None)
     }
 
-    /// As [`advance_along`](Self::advance_along), and notes in `past` what the step began with.
+    /// Performs every hit up to `time` with inputs along `slopes`, and notes in `past` what the step
+    /// began with.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// [`StepError`]: parameters that break a rule, or an output that is not finite.
     pub fn advance_noted(
         &mut self,
         time: f64,

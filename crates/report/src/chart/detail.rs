@@ -12,7 +12,7 @@ pub(crate) struct Detail {
     pub(super) live: usize,
     /// Points over time in the picture.
     pub(super) wide: usize,
-    /// As `wide`, in the picture for narrow screens.
+    /// Points over time in the picture for narrow screens.
     pub(super) narrow: usize,
 }
 

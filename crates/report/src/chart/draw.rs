@@ -45,7 +45,7 @@ impl<'a> Layout<'a> {
         Self { width: 360.0, plot_height, max_points: detail.narrow, legend: None }
     }
 
-    /// With title, legend and style sheet inside: a picture of its own.
+    /// The layout of a picture of its own: title, legend and style sheet are inside.
     pub(super) fn with_legend(self, chart: &Chart, style: &'a str) -> Self {
         let width = if chart.compact { 560.0 } else { self.width };
         let plot_height = if chart.compact { 360.0 } else { self.plot_height };

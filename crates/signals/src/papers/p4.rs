@@ -92,7 +92,7 @@ const TOOL: SignalType = SignalType {
 /// Semi-axes a, b in µm of the ellipse inclined by i = 20° that spans Y 1 to 5 and Z 1 to 8 µm,
 /// from the half spans h: a², b² = ((h_z² + h_y²) ± (h_z² − h_y²)/cos 2i)/2.
 const REACHABLE: [f64; 2] = [3.675_568_672_803_659, 1.655_353_415_891_709_4];
-/// As `REACHABLE`, for Y 1 to 5 and Z 1 to 9 µm.
+/// Semi-axes in µm of such an ellipse that spans Y 1 to 5 and Z 1 to 9 µm.
 const CASE_2: [f64; 2] = [4.222_847_822_973_694, 1.472_262_294_567_896_7];
 
 const fn loop_parameters(frequency: f64) -> [Parameter; 4] {
