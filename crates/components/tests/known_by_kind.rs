@@ -91,7 +91,7 @@ fn nobody_outside_decides_by_the_name_of_a_kind() {
 }
 
 #[test]
-fn a_decision_is_told_from_a_kind_that_is_written() {
+fn a_decision_is_distinguished_from_a_kind_that_is_written() {
     for line in [
         "if declaration.kind == \"mode\" {",
         "\"mode\" => 1,",

@@ -190,7 +190,7 @@ fn hostile_names_stay_text() {
 }
 
 #[test]
-fn odd_data_is_said_on_the_page() {
+fn odd_data_is_noted_on_the_page() {
     let message = |figure: Figure, words: &str| {
         let page = with_figures(vec![figure]).to_html().unwrap();
         assert!(page.contains(words), "`{words}` is not on the page");

@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_numbers_reach_both_ends() {
+    fn integers_reach_both_ends() {
         let draws: Vec<i64> = (0..600).map(|run| Draw::new(1, "n", run).integer(-1, 1)).collect();
         for value in -1..=1 {
             let count = draws.iter().filter(|&&draw| draw == value).count();

@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_line() {
+    fn what_is_wrong_is_reported_with_its_line() {
         for (text, words) in [
             (format!("{LOOP}cotroller = 1\n"), ["plan.toml:5:", "cotroller"]),
             (format!("{LOOP}[vary]\nx = {{ unform = [1, 2] }}\n"), ["plan.toml:6:", "log-uniform"]),

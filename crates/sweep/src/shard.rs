@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_are_a_whole_without_overlap() {
+    fn parts_are_complete_without_overlap() {
         for (runs, count) in [(10, 3), (2, 5), (0, 2), (1_000_003, 7)] {
             let parts = (1..=count).map(|index| Shard { index, count }.range(runs));
             let parts: Vec<_> = parts.collect();

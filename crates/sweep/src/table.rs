@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn merged_parts_have_the_bytes_of_the_whole() {
+    fn merged_parts_have_the_bytes_of_the_complete_table() {
         let folder = tempfile::tempdir().unwrap();
         let (complete, merged) = (folder.path().join("w"), folder.path().join("m"));
         table(0, 10).write(&complete).unwrap();
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_that_are_no_whole_are_refused() {
+    fn parts_that_are_incomplete_are_refused() {
         let message = |cuts: &[(u64, u64)]| Table::merge(parts(cuts)).unwrap_err().to_string();
         assert!(message(&[(0, 4), (6, 10)]).contains("runs 4 to 5 are missing"));
         assert!(message(&[(0, 6), (4, 10)]).contains("runs 4 to 5 are in two tables"));

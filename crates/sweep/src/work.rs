@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn each_run_is_made_once_whatever_the_threads() {
+    fn each_run_is_done_once_whatever_the_threads() {
         assert_eq!(all(1).len(), 500);
         assert_eq!(all(1), all(7));
         let (mut rows, runs) = (Vec::new(), (10..510).collect::<Vec<u64>>());

@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_than_the_whole_gain_is_lost() {
+    fn no_more_than_all_of_the_gain_is_lost() {
         let mut ageing = Instance::new(&ActuatorAgeing, &[], &[0.9, 1e-9], 1.0).unwrap();
         assert_eq!(ageing.step(&[5.0]), 0.0);
         assert!(Instance::new(&ActuatorAgeing, &[], &[0.9, 0.0], 1.0).is_err());

@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn the_limit_holds_and_a_cycle_is_whole() {
+    fn the_limit_holds_and_a_cycle_has_an_integer_number_of_samples() {
         let found = errors(0.0, &[0.5, 3e-3, 1.0, 1e-3], 40);
         assert!(found[39] > 0.9 * found[1]);
         let refused = Instance::new(&Repetitive, &[0.2003, 3.0], &[1.0, 0.0, 1.0, 1.0], 1e-3).err();

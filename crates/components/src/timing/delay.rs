@@ -50,9 +50,9 @@ static DECLARATION: Declaration = Declaration {
         .fitted()],
 };
 
-/// Whole steps up to this relative distance count as whole: a delay and a period that were both
+/// Steps up to this relative distance from an integer count as one: a delay and a period that were both
 /// rounded to double precision must not leave a fraction of 1e-16 behind.
-const WHOLE: f64 = 1e-9;
+const INTEGER_TOLERANCE: f64 = 1e-9;
 
 /// Cells that a ring needs for the structural setting `longest`: its position, the delayed inputs,
 /// the present one, the one before the fraction, and one for the rounding of the ratio.
@@ -76,7 +76,7 @@ pub(crate) fn steps_of(
     )?;
     let steps = delay / period;
     let nearest = round(steps);
-    if (steps - nearest).abs() <= WHOLE * nearest.max(1.0) {
+    if (steps - nearest).abs() <= INTEGER_TOLERANCE * nearest.max(1.0) {
         return Ok((nearest, 0.0));
     }
     let integer = floor(steps);
@@ -98,7 +98,7 @@ impl Ring<'_> {
         self.0.len().saturating_sub(3)
     }
 
-    /// Stores the present input and returns the one that lies `whole` steps and a fraction back.
+    /// Stores the present input and returns the one that lies `integer` steps and a fraction back.
     #[inline]
     pub(crate) fn push(&mut self, u: f64, integer: f64, fraction: f64) -> f64 {
         let Some((place, cells)) = self.0.split_first_mut() else { return u };
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_steps_are_exact() {
+    fn integer_steps_are_exact() {
         // 3 · 0.1 ms and the like are no exact multiples in binary.
         for steps in [0usize, 1, 2, 3, 7, 50, 100] {
             let (signal, output) = delayed(steps as f64 * 1e-4, 1e-4, 400);

@@ -51,8 +51,8 @@ impl Plan {
     pub(super) fn note_state(&self, cells: &[f64], past: &mut Past) {
         if !past.state.is_empty() {
             // The signals, which may be part of it, follow the state.
-            let there = &cells[self.blocks[1]..][..past.state.len()];
-            copy(&mut past.state, there);
+            let state = &cells[self.blocks[1]..][..past.state.len()];
+            copy(&mut past.state, state);
         }
     }
 

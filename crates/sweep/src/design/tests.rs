@@ -77,7 +77,7 @@ fn draws_stay_within_the_bounds_of_their_variable() {
 }
 
 #[test]
-fn every_problem_is_told_with_line_and_way_out() {
+fn every_problem_is_reported_with_line_and_way_out() {
     for (vary, words) in [
         (
             "\"plant.axis[1].freqency\" = { tolerance = 0.1 }",
