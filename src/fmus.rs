@@ -11,8 +11,7 @@ use modeldescription::Package;
 use modeldescription::description::{BaseUnit, Line, Unit};
 use modeldescription::variable::Causality;
 
-use crate::commands::pack;
-use crate::{inputs, ranges};
+use crate::{inputs, packing, ranges};
 
 /// An opened FMU with a name for messages.
 pub(crate) struct Opened {
@@ -85,7 +84,7 @@ pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Op
     let source = inputs::blueprint(what)?;
     let folder = tempfile::tempdir().context("no temporary folder can be made")?;
     let file = folder.path().join("packed.fmu");
-    pack::pack_to_run(&source, &file)?;
+    packing::pack_to_run(&source, &file)?;
     let fmu = load(&file, worker)?;
     Ok(Opened { name: source.blueprint.name, fmu, folder: Some(folder) })
 }

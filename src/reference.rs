@@ -13,11 +13,13 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use cosim::record::Column;
-use cosim::{CsvRecorder, Drive, Fmu, InstanceOptions, Memory, Recorder, Signals};
+use cosim::{CsvRecorder, Drive, Fmu, InstanceOptions, Memory, Recorder, Signals, Worker};
 use data::{Log, ReadOptions};
 use modeldescription::PackageBuilder;
 use modeldescription::variable::{Causality, DataType, Number};
 use serde::{Deserialize, Serialize};
+
+use crate::fmus;
 
 /// Folder below `extra/`.
 pub(crate) const FOLDER: &str = "io.github.piezoloop/reference";
@@ -30,7 +32,7 @@ const STRIDE: f64 = 5.0;
 /// Largest difference of an output, in parts of its peak-to-peak value, of a model whose arithmetic is
 /// the same on every machine.
 pub(crate) const OURS: f64 = 1e-9;
-/// As `OURS`, with an FMU of another vendor inside.
+/// Largest difference of an output with an FMU of another vendor inside.
 pub(crate) const FOREIGN: f64 = 1e-6;
 
 /// Name, unit and values of a signal.
@@ -87,6 +89,18 @@ impl Reference {
         let inputs = inputs(fmu, &time);
         let outputs = run(fmu, &time, &inputs)?;
         Ok(Self { time, inputs, outputs, tolerance })
+    }
+
+    /// Runs a package as far as it has come, as an importer would.
+    pub(crate) fn of_package(
+        package: &PackageBuilder,
+        tolerance: f64,
+        worker: Option<&Worker>,
+    ) -> anyhow::Result<Self> {
+        let folder = tempfile::tempdir().context("no temporary folder can be made")?;
+        let file = folder.path().join("model.fmu");
+        package.write(&file)?;
+        Self::of(&fmus::load(&file, worker)?, tolerance)
     }
 
     /// Puts the files into a package.

@@ -6,8 +6,8 @@ use cosim::Worker;
 use diagnose::Repaired;
 use modeldescription::Package;
 
-use crate::commands::pack;
-use crate::{documentation, reference};
+use crate::reference::{self, Reference};
+use crate::{documentation, packing};
 
 /// Completes the package and writes it.
 pub(crate) fn finish(
@@ -26,11 +26,11 @@ pub(crate) fn finish(
     let has = |path: &str| original.folder().join(path).is_file();
     let version = original.description().fmi_version;
     if !has("model.png") && !has("terminalsAndIcons/terminalsAndIcons.xml") {
-        pack::put_icon(package, version, include_bytes!("icons/plant.png"))?;
+        packing::put_icon(package, version, include_bytes!("icons/plant.png"))?;
     }
     let own = has("documentation/index.html").then_some("resources/inner/documentation/index.html");
     // An original that does not run under signals of our making has no reference results.
-    let reference = match pack::reference_of(package, reference::FOREIGN, worker) {
+    let reference = match Reference::of_package(package, reference::FOREIGN, worker) {
         Ok(reference) => Some(reference),
         Err(error) => {
             wrapper.notes.push(format!("no reference results are inside: {error:#}"));

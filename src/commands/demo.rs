@@ -13,8 +13,8 @@ use serde::Serialize;
 use signals::Signal;
 
 use super::Command;
-use super::identify::Identified;
-use super::simulate::{OutputFit, Simulated};
+use crate::results::identify::Identified;
+use crate::results::simulate::{OutputFit, Simulated};
 
 mod page;
 

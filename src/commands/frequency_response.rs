@@ -1,25 +1,22 @@
 //! `piezoloop frequency-response`: what a machine does linearly, line by line, and how well that is known.
 
-pub(crate) mod plant;
+mod plant;
 pub(crate) mod table;
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use cli::{Answer, PageOptions, Screen, rounded};
+use cli::{PageOptions, Screen, rounded};
 use data::{Log, SampleTime};
 use identify::frequency::{
-    self, Choice, Domain, Experiment, FrequencyResponse as Response, Level, Levels,
-    MeasureSettings, Mode, RationalSettings,
+    self, Choice, Domain, Experiment, FrequencyResponse as Response, Level, MeasureSettings,
+    RationalSettings,
 };
-use serde::Serialize;
 
-use self::plant::Plant;
 use crate::inputs::{self, LogOptions, Readings};
-use crate::pages;
-use crate::ranges;
+use crate::results::frequency_response::{Fit, Measured, OutputLevels, Signal};
+use crate::{pages, ranges};
 
 /// Power of a line, as a part of the greatest, up to which a record without periods counts as excited;
 /// coherence tells how good such a line is.
@@ -87,67 +84,6 @@ pub(crate) struct FrequencyResponse {
     softening: bool,
     #[command(flatten)]
     page: PageOptions,
-}
-
-/// A signal by its column.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Signal {
-    pub(crate) name: String,
-    pub(crate) unit: Option<String>,
-}
-
-impl Signal {
-    /// The signal's unit; 1 where none is known.
-    pub(crate) fn unit(&self) -> &str {
-        self.unit.as_deref().unwrap_or("1")
-    }
-}
-
-/// What was measured.
-#[derive(Serialize)]
-pub(crate) struct Measured {
-    pub(crate) inputs: Vec<Signal>,
-    pub(crate) outputs: Vec<Signal>,
-    pub(crate) sample_time_s: f64,
-    pub(crate) experiments: usize,
-    /// Samples of a period; `null` where the records do not repeat.
-    pub(crate) period_samples: Option<usize>,
-    pub(crate) periods: usize,
-    pub(crate) lines: usize,
-    pub(crate) from_hz: f64,
-    pub(crate) to_hz: f64,
-    /// Per output.
-    pub(crate) levels: Vec<OutputLevels>,
-    pub(crate) fit: Option<Fit>,
-    pub(crate) plant: Option<Plant>,
-    pub(crate) notes: Vec<String>,
-    pub(crate) written: Option<PathBuf>,
-    #[serde(skip)]
-    pub(crate) response: Response,
-    #[serde(skip)]
-    pub(crate) model: Option<Choice>,
-}
-
-/// How large signal, noise and distortion of an output are, rms over the lines, in its unit.
-#[derive(Serialize)]
-pub(crate) struct OutputLevels {
-    pub(crate) name: String,
-    #[serde(flatten)]
-    pub(crate) levels: Levels,
-    /// Least and mean coherence over the lines.
-    pub(crate) least_coherence: f64,
-    pub(crate) mean_coherence: f64,
-}
-
-/// The rational model that was fitted.
-#[derive(Serialize)]
-pub(crate) struct Fit {
-    pub(crate) modes: Vec<Mode>,
-    pub(crate) delay_s: f64,
-    /// Mean square of what the fit leaves over the response's own variance.
-    pub(crate) misfit: f64,
-    /// Static gain of the fit, outputs by inputs.
-    pub(crate) static_gain: Vec<Vec<f64>>,
 }
 
 impl FrequencyResponse {
@@ -369,81 +305,5 @@ fn fit_of(choice: &Choice) -> Fit {
         delay_s: choice.model.delay,
         misfit: choice.misfit,
         static_gain: gain.row_iter().map(|row| row.iter().map(|g| g.re).collect()).collect(),
-    }
-}
-
-impl Answer for Measured {
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let repeated = match self.period_samples {
-            Some(samples) => format!("{} periods of {samples} samples", self.periods),
-            None => "no periods".to_owned(),
-        };
-        writeln!(
-            out,
-            "{} lines from {:.4} to {:.4} Hz; {} experiments, {repeated}",
-            self.lines, self.from_hz, self.to_hz, self.experiments
-        )?;
-        for one in &self.levels {
-            let OutputLevels { name, levels, least_coherence, mean_coherence } = one;
-            let or =
-                |value: Option<f64>| value.map_or("unknown".to_owned(), |x| format!("{x:.3e}"));
-            writeln!(
-                out,
-                "{name}: rms per line {:.3e}, noise {}, distortion {} (even lines {}, odd lines {}); coherence {:.4}, \
-                 at least {:.4}",
-                levels.output,
-                or(levels.noise),
-                or(levels.distortion),
-                or(levels.even),
-                or(levels.odd),
-                mean_coherence,
-                least_coherence
-            )?;
-        }
-        if let Some(fit) = &self.fit {
-            for mode in &fit.modes {
-                let Mode { frequency, damping, height } = mode;
-                let what = if *damping < 1.0 { "mode" } else { "real pole" };
-                writeln!(
-                    out,
-                    "{what} {frequency:.3} Hz, damping {damping:.4}, height {height:.3e}"
-                )?;
-            }
-            for (row, output) in fit.static_gain.iter().zip(&self.outputs) {
-                let each = row.iter().zip(&self.inputs);
-                let gains: Vec<String> =
-                    each.map(|(gain, input)| format!("{gain:.4} from {}", input.name)).collect();
-                writeln!(out, "static gain of {}: {}", output.name, gains.join(", "))?;
-            }
-            writeln!(
-                out,
-                "delay {} s; the fit leaves {:.3} times the response's own scatter",
-                fit.delay_s,
-                fit.misfit.sqrt()
-            )?;
-        }
-        for note in &self.notes {
-            writeln!(out, "note: {note}")?;
-        }
-        if let Some(plant) = &self.plant {
-            if let Some(softening) = &plant.softening {
-                softening.write(out)?;
-            }
-            for error in &plant.errors {
-                writeln!(
-                    out,
-                    "{}: {} simulated to {:.4} {} rms, {:.2} % of its own",
-                    error.record,
-                    error.output,
-                    error.rmse,
-                    error.unit,
-                    100.0 * error.relative
-                )?;
-            }
-        }
-        for file in self.written.iter().chain(self.plant.iter().map(|plant| &plant.blueprint)) {
-            writeln!(out, "{}: written", file.display())?;
-        }
-        Ok(())
     }
 }

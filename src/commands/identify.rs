@@ -2,7 +2,6 @@
 
 mod axes;
 mod candidates;
-mod text;
 
 use std::path::{Path, PathBuf};
 
@@ -16,13 +15,12 @@ use identify::{
     Dynamics, FeatureChoice, Identification, Learning, Methods, Observer, Record, Search, Settings,
     Swarm, Target,
 };
-use serde::Serialize;
 
 use self::axes::{axis, join, unit};
 pub(crate) use self::axes::{identifier, short_name, usual_unit};
 use crate::inputs::{self, LogOptions, Readings};
-use crate::pages;
-use crate::{progress, ranges};
+use crate::results::identify::{AxisResult, Identified};
+use crate::{pages, progress, ranges};
 
 /// Identifies a plant from a measured log
 ///
@@ -168,30 +166,6 @@ fn model_names() -> clap::builder::PossibleValuesParser {
     let values =
         identify::methods().map(|(name, help)| clap::builder::PossibleValue::new(name).help(help));
     values.collect::<Vec<_>>().into()
-}
-
-/// The result: one identification per axis.
-#[derive(Serialize)]
-pub(crate) struct Identified {
-    pub(crate) blueprint: PathBuf,
-    pub(crate) axes: Vec<AxisResult>,
-    pub(crate) notes: Vec<String>,
-    /// Run-in in s, the longest of all axes.
-    #[serde(skip)]
-    pub(crate) run_in: f64,
-}
-
-/// One axis.
-#[derive(Serialize)]
-pub(crate) struct AxisResult {
-    pub(crate) name: String,
-    #[serde(flatten)]
-    pub(crate) identification: Identification,
-    /// The records it was identified from.
-    #[serde(skip)]
-    pub(crate) records: Vec<Record>,
-    #[serde(skip)]
-    pub(crate) command_unit: String,
 }
 
 impl Identify {

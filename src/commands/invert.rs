@@ -1,26 +1,17 @@
 //! `piezoloop invert`: plant blueprint → controller blueprint.
 
-mod text;
-
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::Args;
 use clap::builder::PossibleValue;
 use cli::{PageOptions, Screen};
-use control::{
-    Along, AxisResponses, CommandActs, ControlSettings, Coordinator, Damping, Feedback,
-    Feedforward, LoopFigures,
-};
+use control::{Along, CommandActs, ControlSettings, Damping, Feedback, Feedforward};
 use data::CheckedBlueprint;
-use serde::Serialize;
 
 use crate::inputs::{self, LogOptions};
-use crate::pages;
-use crate::{progress, ranges};
-
-/// Error of a learned inverse, in parts of the range, from which it is pointed out.
-const NOTED: f64 = 0.01;
+use crate::results::invert::{Inverted, Shown, Way, Ways};
+use crate::{pages, progress, ranges};
 
 /// Most samples of a reference.
 const MOST_POINTS: f64 = 1e6;
@@ -113,47 +104,6 @@ fn dampings() -> clap::builder::PossibleValuesParser {
 fn acts() -> clap::builder::PossibleValuesParser {
     let values = CommandActs::ALL.map(|acts| PossibleValue::new(acts.name()).help(acts.summary()));
     values.to_vec().into()
-}
-
-#[derive(Serialize)]
-pub(crate) struct Inverted {
-    pub(crate) blueprint: PathBuf,
-    pub(crate) period_s: f64,
-    pub(crate) axes: Vec<LoopFigures>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(crate) coordinators: Vec<Coordinator>,
-    /// What the inverted does along the reference that was given.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(crate) along: Vec<Along>,
-    /// What the page shows; empty without one.
-    #[serde(skip)]
-    pub(crate) responses: Vec<Shown>,
-}
-
-/// An axis on the page.
-pub(crate) struct Shown {
-    pub(crate) responses: AxisResponses,
-    /// Units of command and position.
-    pub(crate) units: [String; 2],
-    /// The sensitivity that was allowed.
-    pub(crate) allowed: f64,
-}
-
-/// What each way of feedforward does on a plant.
-#[derive(Serialize)]
-struct Ways {
-    ways: Vec<Way>,
-}
-
-#[derive(Serialize)]
-struct Way {
-    name: &'static str,
-    summary: &'static str,
-    /// Of each axis; empty where the way does not suit.
-    axes: Vec<LoopFigures>,
-    /// Why it does not suit.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reason: Option<String>,
 }
 
 impl Invert {

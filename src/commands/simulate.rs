@@ -1,32 +1,28 @@
 //! `piezoloop simulate`: an FMU driven by a log, or a closed loop of two.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use cli::{Answer, PageOptions, Screen, rounded};
+use cli::{PageOptions, Screen};
 use cosim::{Coupling, Drive, Driven, Ending, Fmu, Loop, LoopSettings, Memory, Run};
 use cosim::{Slave, Value, Wiring};
 use data::Log;
-use serde::Serialize;
 
 use crate::fmus::{self, Addresses, Isolation};
 use crate::inputs::{self, LogOptions, Readings};
 use crate::messages::{FmuMessage, MessageOptions};
-use crate::pages;
+use crate::results::simulate::{EarlyEnd, OutputFit, Simulated};
 use crate::times::RunTimes;
 use crate::window::Window;
-use crate::{progress, records};
+use crate::{pages, progress, records};
 
 mod matched;
-mod output_fit;
 mod starts;
 mod tables;
 
 use matched::Matched;
 pub(crate) use matched::list;
-pub(crate) use output_fit::OutputFit;
 pub(crate) use starts::{configure, starts};
 pub(crate) use tables::{can_be_seconds, points, signals, units};
 
@@ -97,49 +93,6 @@ enum Order {
     ControllerFirst,
     /// Jacobi: the command acts one step later
     SideBySide,
-}
-
-/// What was simulated.
-#[derive(Serialize)]
-pub(crate) struct Simulated {
-    pub(crate) model: String,
-    pub(crate) records: usize,
-    pub(crate) rows: usize,
-    pub(crate) start_s: f64,
-    pub(crate) stop_s: f64,
-    pub(crate) fits: Vec<OutputFit>,
-    pub(crate) run: Option<PathBuf>,
-    /// Records that an FMU ended itself.
-    pub(crate) endings: Vec<EarlyEnd>,
-    /// Columns of the log that neither feed an input nor measure an output.
-    pub(crate) unused_columns: Vec<String>,
-    /// Inputs that no column feeds.
-    pub(crate) unfed_inputs: Vec<String>,
-    /// What FMUs said, each message once.
-    pub(crate) messages: Vec<FmuMessage>,
-    /// How long the FMUs took.
-    pub(crate) times: RunTimes,
-    pub(crate) notes: Vec<String>,
-    #[serde(skip)]
-    pub(crate) signals: Memory,
-    #[serde(skip)]
-    pub(crate) measured: Vec<(String, Vec<f64>)>,
-}
-
-/// A run that an FMU ended before its stop time.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct EarlyEnd {
-    pub(crate) fmu: String,
-    pub(crate) record: usize,
-    pub(crate) time_s: f64,
-}
-
-impl EarlyEnd {
-    pub(crate) fn note(&self) -> String {
-        let Self { fmu, record, time_s } = self;
-        let record = if *record == 0 { String::new() } else { format!(" in record {record}") };
-        format!("FMU `{fmu}` asked for the end of the run at {time_s} s{record}")
-    }
 }
 
 /// What belongs to a result beside its signals.
@@ -476,28 +429,4 @@ pub(super) fn until_then(rows: usize, out: &Path) -> String {
 
 fn early_end((record, ending): (usize, Option<Ending>)) -> Option<EarlyEnd> {
     ending.map(|Ending { slave, time }| EarlyEnd { fmu: slave, record, time_s: time })
-}
-
-impl Answer for Simulated {
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        for note in &self.notes {
-            writeln!(out, "note: {note}")?;
-        }
-        writeln!(
-            out,
-            "{}: {} in {}, {} s to {} s",
-            self.model,
-            data::counted(self.rows, "row"),
-            data::counted(self.records, "record"),
-            rounded(self.start_s),
-            rounded(self.stop_s)
-        )?;
-        for fit in &self.fits {
-            writeln!(out, "  {fit}")?;
-        }
-        match &self.run {
-            Some(run) => writeln!(out, "{}: written", run.display()),
-            None => Ok(()),
-        }
-    }
 }

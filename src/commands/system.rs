@@ -9,22 +9,22 @@ use std::rc::Rc;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use cli::{Answer, PageOptions, Screen, rounded};
+use cli::{Answer, PageOptions, Screen};
 use cosim::plan::{Coupling, PlannedFmu};
 use cosim::{Ending, Fmu, Plan, Points, RecordFile, Run, Signal, Signals};
 use data::Log;
 use modeldescription::ModelDescription;
 use serde::Serialize;
 
-pub(crate) use self::recording::Drawn;
 use self::recording::Recording;
 use super::simulate;
 use crate::fmus::{self, Isolation};
 use crate::inputs::{self, LogOptions};
-use crate::messages::{FmuMessage, MessageOptions};
-use crate::pages;
+use crate::messages::MessageOptions;
+use crate::results::simulate::EarlyEnd;
+use crate::results::system::{Drawn, Ran};
 use crate::times::{self, RunTimes};
-use crate::{progress, records};
+use crate::{pages, progress, records};
 
 /// Runs a system of connected FMUs, described by a short TOML file or an SSP
 ///
@@ -114,31 +114,6 @@ enum Algorithm {
     JacobiExtrapolated,
     /// Algebraic loops are solved, with rollback of the FMUs' states
     Iteration,
-}
-
-/// What was run.
-#[derive(Serialize)]
-pub(crate) struct Ran {
-    pub(crate) system: String,
-    pub(crate) fmus: Vec<String>,
-    pub(crate) algorithm: &'static str,
-    pub(crate) step_s: f64,
-    pub(crate) rows: usize,
-    pub(crate) start_s: f64,
-    pub(crate) stop_s: f64,
-    run: Option<PathBuf>,
-    endings: Vec<simulate::EarlyEnd>,
-    /// Columns of the input table that feed nothing.
-    unused_columns: Vec<String>,
-    /// Inputs that nothing feeds.
-    unfed_inputs: Vec<String>,
-    messages: Vec<FmuMessage>,
-    /// How long the FMUs took.
-    pub(crate) times: RunTimes,
-    pub(crate) notes: Vec<String>,
-    /// What the page draws.
-    #[serde(skip)]
-    pub(crate) drawn: Drawn,
 }
 
 /// What was written.
@@ -309,8 +284,8 @@ impl System {
             }
             (Err(error), _) => return Err(error.into()),
             (Ok(Some(Ending { slave, time })), _) => {
-                endings.push(simulate::EarlyEnd { fmu: slave, record: 0, time_s: time });
-                notes.extend(endings.iter().map(simulate::EarlyEnd::note));
+                endings.push(EarlyEnd { fmu: slave, record: 0, time_s: time });
+                notes.extend(endings.iter().map(EarlyEnd::note));
             }
             (Ok(None), _) => {}
         }
@@ -434,39 +409,6 @@ impl System {
             });
         }
         Ok(Signals { time: log.time(), columns })
-    }
-}
-
-/// The names of a system's FMUs, of many the first.
-fn shown(fmus: &[String]) -> String {
-    const MOST: usize = 10;
-    let (first, rest) = fmus.split_at(fmus.len().min(MOST));
-    match rest.len() {
-        0 => first.join(", "),
-        more => format!("{}, and {more} more FMUs", first.join(", ")),
-    }
-}
-
-impl Answer for Ran {
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        for note in &self.notes {
-            writeln!(out, "note: {note}")?;
-        }
-        writeln!(
-            out,
-            "{}: {} by {}, {}, {} s to {} s in steps of {} s",
-            self.system,
-            shown(&self.fmus),
-            self.algorithm,
-            data::counted(self.rows, "row"),
-            rounded(self.start_s),
-            rounded(self.stop_s),
-            rounded(self.step_s)
-        )?;
-        match &self.run {
-            Some(run) => writeln!(out, "{}: written", run.display()),
-            None => Ok(()),
-        }
     }
 }
 

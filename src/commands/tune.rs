@@ -1,15 +1,14 @@
 //! `piezoloop tune`: PID gains from experiments on a plant FMU.
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
-use cli::{Answer, PageOptions, Screen};
-use control::{Gains, LoopVerdict, Ultimate};
-use serde::Serialize;
+use cli::{PageOptions, Screen};
+use control::Gains;
 
 use crate::fmus::{self, Isolation};
+use crate::results::tune::{Tuned, TunedLoop};
 use crate::{pages, ranges};
 
 /// Finds PID gains by experiments on a plant FMU: Ziegler-Nichols gains and robust gains
@@ -63,28 +62,6 @@ enum Experiment {
     Gain,
 }
 
-/// What was found.
-#[derive(Serialize)]
-pub(crate) struct Tuned {
-    pub(crate) axis: usize,
-    pub(crate) period_s: f64,
-    pub(crate) slope: f64,
-    pub(crate) ultimate: Option<Ultimate>,
-    pub(crate) why_not: Option<String>,
-    pub(crate) loops: Vec<TunedLoop>,
-    /// The machine's answer to a command of 1 over one sample.
-    #[serde(skip)]
-    pub(crate) impulse: Vec<f64>,
-}
-
-/// Gains, and what they do.
-#[derive(Serialize)]
-pub(crate) struct TunedLoop {
-    pub(crate) name: &'static str,
-    pub(crate) gains: Gains,
-    pub(crate) verdict: LoopVerdict,
-}
-
 impl Tune {
     pub(crate) fn run(self, screen: &Screen) -> anyhow::Result<u8> {
         let files = [("plant", self.plant.as_path())];
@@ -133,46 +110,5 @@ impl Tune {
             impulse,
         };
         self.page.finish(screen, &answer, || Ok(pages::tuning(&answer, pages::provenance(read)?)))
-    }
-}
-
-impl Answer for Tuned {
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        writeln!(out, "axis {}: {:.6} position per command", self.axis, self.slope)?;
-        match (&self.ultimate, &self.why_not) {
-            (Some(found), _) => writeln!(
-                out,
-                "ultimate gain {:.6} command per position, period {:.6} s, amplitude {:.4}",
-                found.gain, found.period, found.amplitude
-            )?,
-            (None, Some(reason)) => writeln!(out, "no ultimate gain: {reason}")?,
-            (None, None) => {}
-        }
-        for TunedLoop { name, gains, verdict } in &self.loops {
-            writeln!(
-                out,
-                "{name}: kp {:.6} ki {:.6} kd {:.6} derivative_filter {:.3e}",
-                gains.kp, gains.ki, gains.kd, gains.derivative_filter
-            )?;
-            if !verdict.stable {
-                writeln!(out, "  unstable on the measured response")?;
-                continue;
-            }
-            writeln!(
-                out,
-                "  gain margin {:.2}, phase margin {:.1}°, sensitivity {:.2}, disturbances are attenuated up to {:.3} Hz",
-                verdict.gain_margin,
-                verdict.phase_margin,
-                verdict.sensitivity,
-                verdict.rejection_bandwidth
-            )?;
-            let at: Vec<String> = verdict
-                .disturbance
-                .iter()
-                .map(|(f, part)| format!("{:.4} at {f:.3} Hz", part))
-                .collect();
-            writeln!(out, "  disturbance sensitivity {}", at.join(", "))?;
-        }
-        Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use report::{KeyFigure, Report, Section, TimeSeries, Verdict};
 
 use super::provenance;
-use crate::commands::estimate::{Estimated, Found, LogFit};
+use crate::results::estimate::{Estimated, Found, LogFit};
 
 /// Figures of measured and simulated outputs; the errors of all are among the key figures.
 const MOST_FIGURES: usize = 6;

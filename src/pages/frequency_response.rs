@@ -7,8 +7,7 @@ use report::{
 };
 
 use super::polar;
-use crate::commands::frequency_response::plant::Plant;
-use crate::commands::frequency_response::{Measured, Signal};
+use crate::results::frequency_response::{Measured, Plant, Signal};
 
 /// Coherence below which a response is told not to be sound.
 const SOUND: f64 = 0.9;

@@ -8,7 +8,7 @@ use report::{Axis, Column, KeyFigure, Report, Role, Section, Table, TimeSeries, 
 use diagnose::figures::{self as response, Answered};
 
 use super::provenance;
-use crate::commands::identify::{AxisResult, Identified};
+use crate::results::identify::{AxisResult, Identified};
 
 /// The page of an identification.
 pub(crate) fn identification(result: &Identified, logs: &[&Path]) -> anyhow::Result<Report> {

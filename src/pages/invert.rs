@@ -10,7 +10,7 @@ use report::{
 };
 
 use super::{differences, greatest, polar, rms, sensitivities};
-use crate::commands::invert::{Inverted, Shown};
+use crate::results::invert::{Inverted, Shown};
 
 /// How far a Nyquist plot reaches from zero.
 const REACH: f64 = 2.5;

@@ -7,7 +7,7 @@ use report::{Axis, KeyFigure, Report, Role, Section, TimeSeries, Verdict, XyLoop
 use diagnose::figures as response;
 
 use super::{differences, provenance};
-use crate::commands::simulate::{OutputFit, Simulated};
+use crate::results::simulate::{OutputFit, Simulated};
 
 /// The page of a simulation.
 pub(crate) fn simulation(

@@ -5,7 +5,7 @@ use std::path::Path;
 use report::{KeyFigure, Report, Role, Section, TimeSeries, Verdict};
 
 use super::provenance;
-use crate::commands::system::{Drawn, Ran};
+use crate::results::system::{Drawn, Ran};
 
 /// How many signals are drawn.
 const MOST_SIGNALS: usize = 30;

@@ -8,7 +8,7 @@ use report::{
 };
 
 use super::{polar, sensitivities};
-use crate::commands::tune::Tuned;
+use crate::results::tune::{Tuned, TunedLoop};
 
 /// Points of a curve over frequency.
 const POINTS: usize = 400;
@@ -82,7 +82,7 @@ fn machine(result: &Tuned) -> Section {
 }
 
 fn loops(result: &Tuned) -> Section {
-    let curves = |tuned: &crate::commands::tune::TunedLoop| {
+    let curves = |tuned: &TunedLoop| {
         thinned(loop_curves(&result.impulse, result.period_s, &tuned.gains, false))
     };
     let mut open = Bode::new("Machine and open loops", "1");

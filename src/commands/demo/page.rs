@@ -5,9 +5,9 @@ use std::path::Path;
 use report::{Axis, KeyFigure, Report, Role, Section, TimeSeries, Verdict, XyLoop};
 
 use super::{Demonstration, LEAST_GAIN, PAPER_PERCENT};
-use crate::commands::identify::Identified;
-use crate::commands::simulate::Simulated;
 use crate::pages;
+use crate::results::identify::Identified;
+use crate::results::simulate::Simulated;
 
 /// Names of the axes' signals in the runs.
 const AXES: [(&str, &str); 2] = [("Y", "1"), ("Z", "2")];

@@ -15,12 +15,11 @@ use identify::Candidate;
 use identify::frequency::{self, FrequencyResponse as Response, PlantNames, RationalSettings};
 use model::{Component, Conversion, NodeSpec, unit_on_axis};
 
-use crate::commands::frequency_response::Signal;
 use crate::commands::frequency_response::table::{self, Table};
-use crate::commands::identify::{
-    AxisResult, Identified, Identify, identifier, short_name, usual_unit,
-};
+use crate::commands::identify::{Identify, identifier, short_name, usual_unit};
 use crate::inputs::{self, BlueprintText, LogOptions};
+use crate::results::frequency_response::Signal;
+use crate::results::identify::{AxisResult, Identified};
 
 /// Part of each record that the diagnosis holds out.
 const HELD_OUT: f64 = 0.3;

@@ -11,8 +11,9 @@ use modeldescription::package::Platform;
 
 use super::Diagnose;
 use super::source::Source;
-use crate::commands::pack::{self, Binary};
+use crate::commands::pack;
 use crate::inputs::BlueprintText;
+use crate::packing::{self, Binary};
 use crate::{libraries, wrapped};
 
 impl Diagnose {
@@ -38,7 +39,7 @@ impl Diagnose {
     pub(super) fn libraries(&self, is_around: bool) -> anyhow::Result<Vec<Binary>> {
         let Some(folder) = &self.libraries else { return Ok(Vec::new()) };
         let library = if is_around { Library::Wrap } else { Library::Blueprint };
-        let mut all = pack::binaries_in(folder, library)?;
+        let mut all = packing::binaries_in(folder, library)?;
         all.retain(|binary| Some(binary.platform) != Platform::from_name(libraries::PLATFORM));
         Ok(all)
     }
@@ -79,7 +80,7 @@ impl Diagnose {
         if cli::ends_in(file, "fmu") {
             let text = repaired.to_toml();
             let source = BlueprintText { text, blueprint: repaired };
-            pack::pack(&source, pack::PACKED_WITH, others, file)?;
+            pack::pack(&source, packing::PACKED_WITH, others, file)?;
             return Ok(notes);
         }
         repaired.write(file)?;

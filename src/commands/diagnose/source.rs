@@ -8,8 +8,8 @@ use diagnose::{Model, Request, Tolerance};
 use tempfile::TempDir;
 
 use super::{Diagnose, baseline};
-use crate::commands::pack;
 use crate::inputs::{self, BlueprintText};
+use crate::packing;
 
 /// Name of an FMU that is made for the diagnosis alone.
 const PACKED: &str = "packed.fmu";
@@ -85,7 +85,7 @@ impl Diagnose {
         }
         let folder = tempfile::tempdir().context("no temporary folder can be made")?;
         let file = folder.path().join(PACKED);
-        pack::pack_to_run(text, &file)?;
+        packing::pack_to_run(text, &file)?;
         if let Model::Blueprint(checked) = &request.model {
             // Of several the last one counts: what the command line says.
             request.tolerances.splice(0..0, Tolerance::of_blueprint(checked));

@@ -9,8 +9,8 @@ use data::Log;
 use identify::calibration::Tunable;
 
 use super::asked::Asked;
-use super::{Curves, LogFit};
-use crate::commands::simulate::OutputFit;
+use crate::results::estimate::{Curves, LogFit};
+use crate::results::simulate::OutputFit;
 use crate::window::Window;
 
 /// A log, the FMU that it drives, and what is compared.

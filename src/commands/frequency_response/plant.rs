@@ -1,106 +1,18 @@
 //! The plant of a measured response: fitted over held inputs, and judged in simulation.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use data::CheckedBlueprint;
 use identify::frequency::{
     Choice, Experiment, FrequencyResponse as Response, HeldPlant, Level, PlantNames,
     RationalSettings, choose_held, refined, relative, softened,
 };
 use identify::simulate_axes;
-use serde::Serialize;
 
-use super::Signal;
 use crate::commands::identify::{identifier, usual_unit};
-
-/// A plant as it is written.
-#[derive(Serialize)]
-pub(crate) struct Plant {
-    pub(crate) blueprint: PathBuf,
-    pub(crate) modes: usize,
-    pub(crate) delay_s: f64,
-    /// How the modes follow the amplitude; `null` where they do not.
-    pub(crate) softening: Option<PlantSoftening>,
-    /// Per record and output.
-    pub(crate) errors: Vec<PlantError>,
-    #[serde(skip)]
-    pub(crate) checked: CheckedBlueprint,
-}
-
-/// How the modes of a plant follow the amplitude.
-#[derive(Serialize)]
-pub(crate) struct PlantSoftening {
-    /// Power of the amplitude.
-    pub(crate) exponent: f64,
-    /// Levels of the records, from the least on.
-    pub(crate) levels: Vec<PlantLevel>,
-    /// Per mode.
-    pub(crate) modes: Vec<SofteningMode>,
-}
-
-impl PlantSoftening {
-    pub(super) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        for (number, level) in (1..).zip(&self.levels) {
-            let rms: Vec<String> = level.rms.iter().map(|r| format!("{r:.4}")).collect();
-            let PlantLevel { experiments, .. } = level;
-            writeln!(
-                out,
-                "level {number}: {experiments} records, rms of inputs {}",
-                rms.join(", ")
-            )?;
-        }
-        writeln!(
-            out,
-            "modes follow the amplitude to the power of {}; changes at level {}:",
-            self.exponent,
-            self.levels.len()
-        )?;
-        for mode in &self.modes {
-            writeln!(
-                out,
-                "mode of small motion {:.3} Hz, damping {:.4}: frequency {:+.2} %, damping {:+.0} %",
-                mode.frequency,
-                mode.damping,
-                100.0 * mode.frequency_shift,
-                100.0 * mode.damping_growth
-            )?;
-        }
-        Ok(())
-    }
-}
-
-/// A level of excitation.
-#[derive(Serialize)]
-pub(crate) struct PlantLevel {
-    pub(crate) experiments: usize,
-    /// Per input, about its mean.
-    pub(crate) rms: Vec<f64>,
-}
-
-/// A mode of small motion and its relative changes at the greatest level.
-#[derive(Serialize)]
-pub(crate) struct SofteningMode {
-    pub(crate) frequency: f64,
-    pub(crate) damping: f64,
-    pub(crate) frequency_shift: f64,
-    pub(crate) damping_growth: f64,
-}
-
-/// How far the plant is from a record that it was fitted to, driven by its inputs alone.
-#[derive(Serialize)]
-pub(crate) struct PlantError {
-    pub(crate) record: String,
-    pub(crate) output: String,
-    pub(crate) unit: String,
-    /// Root mean square of measured less simulated, the means of both taken out.
-    pub(crate) rmse: f64,
-    /// As `rmse`, over the measured output's own.
-    pub(crate) relative: f64,
-    /// First row that is judged: with periods the second one's, as the simulation starts at rest.
-    pub(crate) from_row: usize,
-}
+use crate::results::frequency_response::{
+    Plant, PlantError, PlantLevel, PlantSoftening, Signal, SofteningMode,
+};
 
 /// What a plant is fitted to.
 pub(super) struct Source<'a> {

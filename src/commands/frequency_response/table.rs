@@ -7,7 +7,7 @@ use anyhow::{Context, bail, ensure};
 use data::{Column, Log, ReadOptions, WholeFile};
 use identify::frequency::{self, Complex, FrequencyResponse as Response};
 
-use super::{Measured, Signal};
+use crate::results::frequency_response::{Measured, Signal};
 
 /// Standard deviation of a line where the table has none, as a part of its magnitude and of the greatest.
 const OF_LINE: f64 = 1e-2;

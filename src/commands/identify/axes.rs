@@ -3,7 +3,7 @@
 use anyhow::{Context, bail};
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, Log, SignalBlueprint};
 
-use super::AxisResult;
+use crate::results::identify::AxisResult;
 
 /// A name that every tool takes: letters, digits and `_`, a letter first.
 pub(crate) fn identifier(text: &str) -> String {

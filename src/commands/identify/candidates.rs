@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
-use super::{Identified, identifier};
+use super::identifier;
+use crate::results::identify::Identified;
 
 /// Name of the list.
 const LIST: &str = "candidates.json";

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use sweep::{Campaign, Kind, Law, Plan};
 
-use crate::commands::pack;
 use crate::inputs::{self, LogOptions};
+use crate::packing;
 
 /// The plan and all that it names: blueprints packed as FMUs, logs as CSV with their units.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -323,6 +323,6 @@ fn fmu_file(name: String, path: &Path, all_effects: bool) -> anyhow::Result<File
     }
     let folder = tempfile::tempdir().context("no temporary folder can be made")?;
     let file = folder.path().join("packed.fmu");
-    pack::pack_to_run(&source, &file)?;
+    packing::pack_to_run(&source, &file)?;
     Ok(File { name, content: std::fs::read(file)?, source: hash.finalize().to_vec() })
 }

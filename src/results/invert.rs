@@ -1,11 +1,55 @@
-//! What `piezoloop invert` prints.
+//! What an inversion gives.
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 
 use cli::Answer;
-use control::{Along, CoupledFigures, DampingFigures, LoopFigures};
+use control::{Along, AxisResponses, Coordinator, CoupledFigures, DampingFigures, LoopFigures};
+use serde::Serialize;
 
-use super::{Inverted, NOTED, Ways};
+/// Error of a learned inverse, in parts of the range, from which it is pointed out.
+const NOTED: f64 = 0.01;
+
+#[derive(Serialize)]
+pub(crate) struct Inverted {
+    pub(crate) blueprint: PathBuf,
+    pub(crate) period_s: f64,
+    pub(crate) axes: Vec<LoopFigures>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) coordinators: Vec<Coordinator>,
+    /// What the inverted does along the reference that was given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) along: Vec<Along>,
+    /// What the page shows; empty without one.
+    #[serde(skip)]
+    pub(crate) responses: Vec<Shown>,
+}
+
+/// An axis on the page.
+pub(crate) struct Shown {
+    pub(crate) responses: AxisResponses,
+    /// Units of command and position.
+    pub(crate) units: [String; 2],
+    /// The sensitivity that was allowed.
+    pub(crate) allowed: f64,
+}
+
+/// What each way of feedforward does on a plant.
+#[derive(Serialize)]
+pub(crate) struct Ways {
+    pub(crate) ways: Vec<Way>,
+}
+
+#[derive(Serialize)]
+pub(crate) struct Way {
+    pub(crate) name: &'static str,
+    pub(crate) summary: &'static str,
+    /// Of each axis; empty where the way does not suit.
+    pub(crate) axes: Vec<LoopFigures>,
+    /// Why it does not suit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) reason: Option<String>,
+}
 
 impl Answer for Inverted {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {

@@ -55,7 +55,7 @@ pub(crate) struct Binary {
 
 impl Binary {
     /// Reads `PLATFORM=FILE`.
-    pub(super) fn read(text: &str) -> anyhow::Result<Self> {
+    pub(crate) fn read(text: &str) -> anyhow::Result<Self> {
         let Some((name, file)) = text.split_once('=') else {
             bail!("--binary {text}: write PLATFORM=FILE, as in win64=piezoloop_blueprint.dll");
         };

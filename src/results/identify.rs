@@ -1,10 +1,35 @@
-//! The answer of `identify` as text.
+//! What an identification gives.
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 
 use cli::Answer;
+use identify::{Identification, Record};
+use serde::Serialize;
 
-use super::Identified;
+/// The result: one identification per axis.
+#[derive(Serialize)]
+pub(crate) struct Identified {
+    pub(crate) blueprint: PathBuf,
+    pub(crate) axes: Vec<AxisResult>,
+    pub(crate) notes: Vec<String>,
+    /// Run-in in s, the longest of all axes.
+    #[serde(skip)]
+    pub(crate) run_in: f64,
+}
+
+/// One axis.
+#[derive(Serialize)]
+pub(crate) struct AxisResult {
+    pub(crate) name: String,
+    #[serde(flatten)]
+    pub(crate) identification: Identification,
+    /// The records it was identified from.
+    #[serde(skip)]
+    pub(crate) records: Vec<Record>,
+    #[serde(skip)]
+    pub(crate) command_unit: String,
+}
 
 impl Answer for Identified {
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {

@@ -1,10 +1,84 @@
-//! The fit of one output of a run.
+//! What a simulation gives.
 
 use std::fmt;
+use std::io::{self, Write};
 use std::ops::Range;
+use std::path::PathBuf;
 
+use cli::{Answer, rounded};
+use cosim::Memory;
 use data::Fit;
 use serde::Serialize;
+
+use crate::messages::FmuMessage;
+use crate::times::RunTimes;
+
+/// What was simulated.
+#[derive(Serialize)]
+pub(crate) struct Simulated {
+    pub(crate) model: String,
+    pub(crate) records: usize,
+    pub(crate) rows: usize,
+    pub(crate) start_s: f64,
+    pub(crate) stop_s: f64,
+    pub(crate) fits: Vec<OutputFit>,
+    pub(crate) run: Option<PathBuf>,
+    /// Records that an FMU ended itself.
+    pub(crate) endings: Vec<EarlyEnd>,
+    /// Columns of the log that neither feed an input nor measure an output.
+    pub(crate) unused_columns: Vec<String>,
+    /// Inputs that no column feeds.
+    pub(crate) unfed_inputs: Vec<String>,
+    /// What FMUs said, each message once.
+    pub(crate) messages: Vec<FmuMessage>,
+    /// How long the FMUs took.
+    pub(crate) times: RunTimes,
+    pub(crate) notes: Vec<String>,
+    #[serde(skip)]
+    pub(crate) signals: Memory,
+    #[serde(skip)]
+    pub(crate) measured: Vec<(String, Vec<f64>)>,
+}
+
+impl Answer for Simulated {
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        for note in &self.notes {
+            writeln!(out, "note: {note}")?;
+        }
+        writeln!(
+            out,
+            "{}: {} in {}, {} s to {} s",
+            self.model,
+            data::counted(self.rows, "row"),
+            data::counted(self.records, "record"),
+            rounded(self.start_s),
+            rounded(self.stop_s)
+        )?;
+        for fit in &self.fits {
+            writeln!(out, "  {fit}")?;
+        }
+        match &self.run {
+            Some(run) => writeln!(out, "{}: written", run.display()),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A run that an FMU ended before its stop time.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct EarlyEnd {
+    pub(crate) fmu: String,
+    pub(crate) record: usize,
+    pub(crate) time_s: f64,
+}
+
+impl EarlyEnd {
+    pub(crate) fn note(&self) -> String {
+        let Self { fmu, record, time_s } = self;
+        let record = if *record == 0 { String::new() } else { format!(" in record {record}") };
+        format!("FMU `{fmu}` asked for the end of the run at {time_s} s{record}")
+    }
+}
 
 /// The fit of one output in one record; for a loop, of a position to its reference.
 #[derive(Serialize)]
