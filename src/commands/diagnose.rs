@@ -5,6 +5,7 @@ mod baseline;
 mod carried;
 mod repaired;
 mod source;
+mod thresholds;
 mod tolerances;
 
 use std::io::{self, Write};
@@ -19,14 +20,13 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 
 use self::source::Source;
+use self::thresholds::Thresholds;
 use self::tolerances::check_tolerances;
 use crate::fmus::Isolation;
 use crate::inputs::{self, LogOptions};
 use crate::pages;
 use crate::ranges;
 
-/// Standard deviation of a parameter, over its value, above which the logs do not determine it.
-const NOT_DETERMINED: f64 = 1e3;
 const NO_MODEL: &str = "no model is given; give one with --model, or --input COLUMN and --output COLUMN to identify a linear one from the logs";
 
 /// Finds the effect that a model lacks, where the gap lies, and how much of it the effect explains
@@ -407,7 +407,7 @@ impl Answer for Diagnosed {
             let indent = if by_output.len() > 1 { "    " } else { "  " };
             for (name, p) in effects.iter().flat_map(|effect| &effect.parameters) {
                 let deviation = p.std.map_or(String::new(), |s| format!(" ± {s:.2e}"));
-                let most = NOT_DETERMINED * p.value.abs();
+                let most = Thresholds::NOT_DETERMINED * p.value.abs();
                 if p.value != 0.0 && p.std.is_some_and(|s| s > most) {
                     writeln!(out, "{indent}{name}: these logs do not determine it")?;
                 } else {

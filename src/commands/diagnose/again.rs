@@ -8,11 +8,7 @@ use data::Blueprint;
 use diagnose::{Diagnosis, Gap, Model, Observer, Request, Verdict};
 
 use super::baseline::{self, Generated};
-
-/// Part of the range that a linear model must leave, for its dynamics to be taken for an imitation.
-const IMITATES: f64 = 0.05;
-/// How many times as much an answer with fewer effects may leave.
-const AS_MUCH: f64 = 1.1;
+use super::thresholds::Thresholds;
 
 /// The diagnosis, or one with another linear model that is better, with the model.
 pub(super) fn better(
@@ -23,7 +19,7 @@ pub(super) fn better(
 ) -> anyhow::Result<Diagnosis> {
     let mut best = first;
     let leaves_much =
-        model.baselines.iter().any(|b| b.nrmse[1].is_some_and(|part| part > IMITATES));
+        model.baselines.iter().any(|b| b.nrmse[1].is_some_and(|part| part > Thresholds::IMITATES));
     if is_doubtful(&best.gap) && leaves_much {
         let gains = baseline::gains_alone(&model.text.blueprint);
         let what = "the gain alone, as its dynamics imitate the effect";
@@ -70,7 +66,8 @@ fn is_better(other: &Gap, best: &Gap) -> bool {
     other.verdict.is_explained()
         && match best.verdict.is_explained() {
             true => {
-                other.effects.len() < best.effects.len() && after(other) <= AS_MUCH * after(best)
+                other.effects.len() < best.effects.len()
+                    && after(other) <= Thresholds::AS_MUCH * after(best)
             }
             false => after(other) < after(best),
         }

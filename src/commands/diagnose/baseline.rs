@@ -15,30 +15,12 @@ use identify::Candidate;
 use identify::frequency::{self, FrequencyResponse as Response, PlantNames, RationalSettings};
 use model::{Component, Conversion, NodeSpec, unit_on_axis};
 
+use super::thresholds::Thresholds;
 use crate::commands::frequency_response::table::{self, Table};
 use crate::commands::identify::{Identify, identifier, short_name, usual_unit};
 use crate::inputs::{self, BlueprintText, LogOptions};
 use crate::results::frequency_response::Signal;
 use crate::results::identify::{AxisResult, Identified};
-
-/// Part of each record that the diagnosis holds out.
-const HELD_OUT: f64 = 0.3;
-/// Part of what the linear plant leaves that the one with plays must leave at most, for its linear parts to be taken.
-const WITH_PLAYS: f64 = 0.9;
-/// Part of the mean square that parts in a row leave of a response that modes side by side must leave at most, to be taken:
-/// many modes follow the scatter of a nonlinear machine, too.
-const SIDE_BY_SIDE: f64 = 0.25;
-/// Part of the mean square that a linear model leaves with the usual readings that it must leave at most with others, for these
-/// to be taken; and by how many times as much a command straight between the rows may leave as one that acts at once, of
-/// which a delay makes the same.
-const READINGS_LESS: f64 = 0.7;
-const STRAIGHT: f64 = 1.1;
-/// Standard errors of which a tolerance consists, and by which a delay must be seen.
-const ERRORS: f64 = 1.0;
-const SEEN: f64 = 2.0;
-/// Least tolerance: what a linear model of a machine that is none takes into its parameters. Of a damping more.
-const LEAST: f64 = 0.1;
-const LEAST_OF_DAMPING: f64 = 0.5;
 
 /// The model that was made.
 pub(super) struct Generated {
@@ -204,10 +186,12 @@ fn fitted_to(
     match (chain, modes) {
         (Ok(chain), modes)
             if !modes.as_ref().is_ok_and(|(_, choice)| {
-                choice.length < chain.length && choice.misfit < SIDE_BY_SIDE * chain.misfit
+                let most = Thresholds::SIDE_BY_SIDE * chain.misfit;
+                choice.length < chain.length && choice.misfit < most
             }) =>
         {
-            let checked = chain.blueprint(names, period, [LEAST, LEAST_OF_DAMPING])?;
+            let least = [Thresholds::LEAST, Thresholds::LEAST_OF_DAMPING];
+            let checked = chain.blueprint(names, period, least)?;
             let mut what = format!("static gain {}", number(chain.gain));
             if chain.delay != 0.0 {
                 what += &format!(", delay {} s", number(chain.delay));
@@ -236,7 +220,8 @@ fn fitted_to(
             for (axis, spec) in blueprint.axes.iter_mut().zip(&checked.spec().axes) {
                 for (part, node) in axis.components.iter_mut().zip(&spec.components) {
                     let values = fitted(node).filter(|(_, _, value)| *value != 0.0);
-                    part.tolerance.extend(values.map(|(name, ..)| (name.to_owned(), LEAST)));
+                    part.tolerance
+                        .extend(values.map(|(name, ..)| (name.to_owned(), Thresholds::LEAST)));
                 }
             }
             let all = |text: Vec<String>| text.join(", ");
@@ -271,7 +256,7 @@ type Found = (CheckedBlueprint, Identified);
 fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Generated> {
     let of = |model: &str, readings: (Between, Reading), screen: &Screen| {
         let columns = (asked.inputs, asked.outputs);
-        let parts = (asked.drop, HELD_OUT);
+        let parts = (asked.drop, Thresholds::HELD_OUT);
         Identify::one_model(model, asked.logs, columns, asked.options, parts, readings)
             .plant(screen)
     };
@@ -316,7 +301,7 @@ fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Generated> {
     for (k, axis) in linear.1.axes.iter().enumerate() {
         let beside = with_plays.as_ref().and_then(|(plant, with)| {
             let found = with.axes.get(k)?;
-            let is_better = left(found)? < WITH_PLAYS * left(axis)?;
+            let is_better = left(found)? < Thresholds::WITH_PLAYS * left(axis)?;
             is_better.then_some((plant.blueprint(), found))
         });
         if let Some((plant, found)) = beside {
@@ -359,9 +344,9 @@ fn less(
     };
     let mut all: Vec<_> =
         others.into_iter().filter_map(|(r, found)| Some((part(&found.1)?, r, found))).collect();
-    all.retain(|(part, ..)| *part < READINGS_LESS);
+    all.retain(|(part, ..)| *part < Thresholds::READINGS_LESS);
     let weight = |(part, (between, _), _): &(f64, (Between, Reading), Found)| match between {
-        Between::Line => part / STRAIGHT,
+        Between::Line => part / Thresholds::STRAIGHT,
         _ => *part,
     };
     let best = all.into_iter().min_by(|a, b| weight(a).total_cmp(&weight(b)))?;
@@ -395,7 +380,8 @@ fn beside_plays(
 ) -> Vec<ComponentBlueprint> {
     let is_seen = |part: &&ComponentBlueprint| {
         let delay = found.identification.parameters.iter().find(|p| p.name == "delay.delay");
-        let deviation = |p: &identify::Estimate| p.deviation.map(|d| p.value > SEEN * d);
+        let deviation =
+            |p: &identify::Estimate| p.deviation.map(|d| p.value > Thresholds::SEEN * d);
         part.kind != "delay" || delay.and_then(deviation).unwrap_or(false)
     };
     let of = |kind: &str| with_plays.iter().find(|part| part.kind == kind).filter(is_seen).cloned();
@@ -430,7 +416,7 @@ fn give_tolerances(
                 };
                 all.iter().find(is_own)?.deviation
             });
-            let relative = deviation.map_or(0.0, |d| ERRORS * d / value.abs());
+            let relative = deviation.map_or(0.0, |d| Thresholds::ERRORS * d / value.abs());
             if value != 0.0 {
                 part.tolerance.insert(name.to_owned(), relative.max(least_tolerance(name)));
             }
@@ -441,7 +427,7 @@ fn give_tolerances(
 
 /// The least tolerance of a parameter of this name.
 fn least_tolerance(name: &str) -> f64 {
-    if name == "damping" { LEAST_OF_DAMPING } else { LEAST }
+    if name == "damping" { Thresholds::LEAST_OF_DAMPING } else { Thresholds::LEAST }
 }
 
 /// Name, unit and value of each scalar parameter of a component that is fitted.
@@ -509,7 +495,7 @@ fn sentence(baseline: &Baseline) -> String {
     format!(
         "{}: no --model was given; a linear one is identified from the first {:.0} % of the logs: {}{left}",
         baseline.output,
-        100.0 * (1.0 - HELD_OUT),
+        100.0 * (1.0 - Thresholds::HELD_OUT),
         numbers(baseline)
     )
 }
