@@ -7,8 +7,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 use cli::{Answer, PageOptions, Screen};
 use control::{Calibration, CalibrationRecord};
-use data::{Blueprint, Value};
-use model::Kind;
+use data::{Blueprint, ComponentBlueprint, Value};
+use model::{Component, Conversion, Kind};
 use serde::Serialize;
 
 use crate::inputs::{self, LogOptions};
@@ -176,7 +176,7 @@ fn flat(value: &Value) -> Vec<f64> {
 /// The coupling of a blueprint that has a Jacobian.
 fn jacobian(blueprint: &Blueprint) -> anyhow::Result<&data::CouplingBlueprint> {
     let mut couplings = blueprint.couplings.iter();
-    couplings.find(|c| KINDS.contains(&c.component.kind.as_str())).context(
+    couplings.find(|c| has_jacobian(&c.component)).context(
         "the blueprint has no jacobian-coordinator and no optics-jacobian; add one as a [[coupling]]",
     )
 }
@@ -218,12 +218,18 @@ fn coordinate(
         .map(|(n, a)| if a.name.is_empty() { format!("axis{n}") } else { a.name.clone() })
         .collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let component = data::ComponentBlueprint::new(KINDS[0]);
+    let component = ComponentBlueprint::new("jacobian-coordinator");
     *blueprint = blueprint.clone().coupling(&names, component);
     Ok(())
 }
 
-const KINDS: [&str; 2] = ["jacobian-coordinator", "optics-jacobian"];
+/// Whether a component is a Jacobian between motions and positions, which measurements may replace.
+fn has_jacobian(component: &ComponentBlueprint) -> bool {
+    components::find(&component.kind).map(Component::declaration).is_some_and(|declared| {
+        let is_between = [Conversion::MotionToPosition, Conversion::PositionToMotion];
+        is_between.contains(&declared.conversion) && declared.parameters.iter().any(|q| q.fit)
+    })
+}
 
 /// Puts J and p0 into a blueprint.
 pub(crate) fn put(blueprint: &mut Blueprint, calibration: &Calibration) -> anyhow::Result<()> {
@@ -232,7 +238,7 @@ pub(crate) fn put(blueprint: &mut Blueprint, calibration: &Calibration) -> anyho
     let rows = calibration.coordinates.iter().map(|fit| list(&fit.row)).collect();
     let offsets: Vec<f64> = calibration.coordinates.iter().map(|fit| fit.offset).collect();
     let mut couplings = blueprint.couplings.iter_mut();
-    if let Some(coupling) = couplings.find(|c| KINDS.contains(&c.component.kind.as_str())) {
+    if let Some(coupling) = couplings.find(|c| has_jacobian(&c.component)) {
         coupling.component.set("matrix", Value::List(rows));
         coupling.component.set("offset", list(&offsets));
     }

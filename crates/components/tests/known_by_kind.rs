@@ -13,12 +13,9 @@ const STILL: &[(&str, usize)] = &[
     ("linearised.rs", 5),
     // A key of an axis that a kind is named like.
     ("blueprint/read.rs", 1),
-    ("commands/invert.rs", 1),
     ("control/p3.rs", 1),
     // An option of an instrument that a kind is named like.
     ("gateway/line.rs", 2),
-    // The parts of the linear model that identify writes are read again.
-    ("diagnose/baseline.rs", 3),
     // A law of the paper that a kind is named like.
     ("control/single.rs", 1),
 ];

@@ -9,11 +9,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use cli::Screen;
+use components::effects;
 use data::{Blueprint, CheckedBlueprint, ComponentBlueprint, Log, SampleTime};
 use diagnose::{Baseline, Between, Estimate, Reading};
 use identify::Candidate;
 use identify::frequency::{self, FrequencyResponse as Response, PlantNames, RationalSettings};
-use model::{Component, Conversion, NodeSpec, unit_on_axis};
+use model::{Component, Conversion, Effect, NodeSpec, unit_on_axis};
 
 use super::thresholds::Thresholds;
 use crate::commands::frequency_response::table::{self, Table};
@@ -378,16 +379,20 @@ fn beside_plays(
     with_plays: &[ComponentBlueprint],
     found: &AxisResult,
 ) -> Vec<ComponentBlueprint> {
-    let is_seen = |part: &&ComponentBlueprint| {
-        let delay = found.identification.parameters.iter().find(|p| p.name == "delay.delay");
-        let deviation =
-            |p: &identify::Estimate| p.deviation.map(|d| p.value > Thresholds::SEEN * d);
-        part.kind != "delay" || delay.and_then(deviation).unwrap_or(false)
+    let of = |effect: &Effect| {
+        let own = |part: &&ComponentBlueprint| {
+            let known = components::find(&part.kind);
+            known.and_then(|c| c.declaration().effect).is_some_and(|e| e.name == effect.name)
+        };
+        with_plays.iter().find(own).cloned()
     };
-    let of = |kind: &str| with_plays.iter().find(|part| part.kind == kind).filter(is_seen).cloned();
+    let deviation = |p: &identify::Estimate| p.deviation.map(|d| p.value > Thresholds::SEEN * d);
+    let delay = found.identification.parameters.iter().find(|p| p.name == "delay.delay");
+    let delay = of(&effects::DELAY).filter(|_| delay.and_then(deviation).unwrap_or(false));
     let is_gain = |part: &&ComponentBlueprint| components::find(&part.kind).is_some_and(is_gain);
     let gain = linear.iter().find(is_gain).cloned();
-    [of("delay"), of("amplifier-lag"), gain, of("mode")].into_iter().flatten().collect()
+    let (lag, mode) = (of(&effects::AMPLIFIER_BANDWIDTH), of(&effects::EXTRA_MODE));
+    [delay, lag, gain, mode].into_iter().flatten().collect()
 }
 
 /// Whether a component is an actuator of a gain and an offset, without memory.
