@@ -6,6 +6,7 @@ use std::path::Path;
 use report::{Axis, Column, KeyFigure, Report, Role, Section, Table, TimeSeries, Verdict, XyLoop};
 
 use diagnose::figures::{self as response, Answered};
+use numerics::spectrum;
 
 use super::provenance;
 use crate::results::identify::{AxisResult, Identified};
@@ -207,7 +208,7 @@ fn comparison(axis: &AxisResult) -> Option<Section> {
         "Amplitude of the residual at the strongest frequencies of the position",
         columns,
     );
-    let frequencies = strongest(&record.output()[span.clone()], record.period());
+    let peaks = strongest(&record.output()[span.clone()], record.period());
     let mut seen: Vec<&str> = Vec::new();
     for candidate in axis.identification.candidates.iter().rev() {
         let (Some(method), Some(simulation)) = (candidate.method, candidate.simulations.first())
@@ -223,10 +224,10 @@ fn comparison(axis: &AxisResult) -> Option<Section> {
         let errors: Vec<f64> = errors.iter().map(|e| e - mean).collect();
         series = series.other(method, unit, &errors);
         loops = loops.line(Role::Other, method, &record.input()[span.clone()], &errors);
-        for &frequency in &frequencies {
-            let amplitude = amplitude(&errors, frequency * record.period());
-            spectra =
-                spectra.row::<report::Value>([method.into(), frequency.into(), amplitude.into()]);
+        let amplitudes = spectrum::amplitudes(&errors);
+        for &(line, frequency) in &peaks {
+            let amplitude = amplitudes[line].into();
+            spectra = spectra.row::<report::Value>([method.into(), frequency.into(), amplitude]);
         }
     }
     if seen.len() < 2 {
@@ -236,46 +237,27 @@ fn comparison(axis: &AxisResult) -> Option<Section> {
     Some(Section::new(heading).figure(loops).figure(series).table(spectra))
 }
 
-/// Amplitude of `values` at a frequency in parts of the sample rate, with Hann's window.
-fn amplitude(values: &[f64], frequency: f64) -> f64 {
-    let count = values.len().max(1) as f64;
-    let (mut real, mut imaginary) = (0.0, 0.0);
-    for (k, value) in values.iter().enumerate() {
-        let k = k as f64;
-        let window = 1.0 - (std::f64::consts::TAU * k / count).cos();
-        let (sin, cos) = (std::f64::consts::TAU * frequency * k).sin_cos();
-        real += window * value * cos;
-        imaginary += window * value * sin;
-    }
-    2.0 * real.hypot(imaginary) / count
-}
-
-/// The frequencies, in Hz, of the highest peaks of a signal's spectrum, ascending; at most five.
-fn strongest(values: &[f64], period: f64) -> Vec<f64> {
+/// The lines of the highest peaks of a signal's spectrum with their frequencies in Hz, ascending; at most five.
+fn strongest(values: &[f64], period: f64) -> Vec<(usize, f64)> {
     const LINES: usize = 400;
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count.max(1.0);
-    let centred: Vec<f64> = values.iter().map(|v| v - mean).collect();
+    let (count, amplitudes) = (values.len() as f64, spectrum::amplitudes(values));
     // Lines of the window's width, denser at the low end, where machines move.
     let most = (0.5 * count).min(f64::from(u32::MAX));
     let ratio = most.max(2.0).powf(1.0 / LINES as f64);
     let mut lines: Vec<usize> =
         (0..=LINES).map(|i| ratio.powi(i as i32).round() as usize).collect();
     lines.dedup();
-    let mut peaks: Vec<(f64, f64)> = lines
-        .iter()
-        .map(|line| *line as f64 / count)
-        .map(|frequency| (amplitude(&centred, frequency), frequency / period))
-        .collect();
-    peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut found: Vec<f64> = Vec::new();
-    for (_, frequency) in peaks {
-        let apart = found.iter().all(|f| (frequency / f - 1.0).abs() > 0.2);
+    lines.retain(|line| *line < amplitudes.len());
+    lines.sort_by(|a, b| amplitudes[*b].total_cmp(&amplitudes[*a]));
+    let mut found: Vec<(usize, f64)> = Vec::new();
+    for line in lines {
+        let frequency = line as f64 / count / period;
+        let apart = found.iter().all(|(_, f)| (frequency / f - 1.0).abs() > 0.2);
         if apart && found.len() < 5 {
-            found.push(frequency);
+            found.push((line, frequency));
         }
     }
-    found.sort_by(f64::total_cmp);
+    found.sort_unstable_by_key(|(line, _)| *line);
     found
 }
 

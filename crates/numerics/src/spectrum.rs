@@ -16,6 +16,13 @@ pub fn windowed(signal: &[f64]) -> Vec<Complex> {
     Fft::forward(n).of_real(&weighted)
 }
 
+/// The amplitude on each line of a signal's spectrum, its mean taken out, under [Hann's window](hann): of a sine of k waves
+/// over the signal the one on line k. All lines.
+pub fn amplitudes(signal: &[f64]) -> Vec<f64> {
+    let scale = 4.0 / signal.len() as f64;
+    windowed(signal).iter().map(|line| scale * line.norm()).collect()
+}
+
 /// Segments over which powers are averaged, at least, where the signal is long enough.
 const SEGMENTS: usize = 8;
 /// Shortest segment.
@@ -76,6 +83,14 @@ mod tests {
             assert!((power - 0.375 * n as f64).abs() < 1e-9, "{n}: {power}");
             assert!(windowed(&vec![7.0; n]).iter().all(|line| line.norm() < 1e-9));
         }
+    }
+
+    #[test]
+    fn a_sine_has_its_amplitude_on_the_line_of_its_waves() {
+        let sine = |k: i32| 2.0 + 3.0 * (std::f64::consts::TAU * 7.0 * f64::from(k) / 99.0).sin();
+        let found = amplitudes(&(0..99).map(sine).collect::<Vec<_>>());
+        assert_eq!(found.len(), 99);
+        assert!((found[7] - 3.0).abs() < 1e-12 && found[0].max(found[10]) < 1e-12, "{found:?}");
     }
 
     #[test]
