@@ -5,7 +5,7 @@ use crate::common;
 use std::fs;
 use std::path::Path;
 
-use common::{json, refuse, succeed};
+use common::{json, piezoloop, refuse, succeed};
 
 /// A mode at 200 Hz with damping 0.1, and a sensor that is curved by this part of its half range.
 fn plant(quadratic: f64) -> String {
@@ -112,6 +112,35 @@ fn a_known_mode_and_a_known_curvature_are_found() {
     assert!(compared > 50, "{compared} lines");
     let page = fs::read_to_string(at.join("page.html")).expect("a page");
     assert!(page.contains("Fitted modes") && page.contains("even lines"));
+}
+
+#[test]
+fn a_plant_of_one_axis_is_diagnosed_as_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let noise = "\n[[axis.component]]\ntype = \"sensor-noise\"\nrms = 0.01\nseed = 1\n";
+    fs::write(at.join("truth.toml"), plant(0.0) + noise).expect("a file");
+    let signal =
+        ["signal", "multisine-odd-random", "--set", "highest_frequency=600", "-o", "u.csv"];
+    succeed(&signal, at);
+    let run =
+        ["simulate", "truth.toml", "--log", "u.csv", "--map", "command[1]=u", "-o", "log.csv"];
+    succeed(&run, at);
+    let more = ["--period", "4000", "--skip", "0.4", "--modes", "2", "--plant", "found.toml"];
+    succeed(&[&COLUMNS[..], &more].concat(), at);
+    let found = fs::read_to_string(at.join("found.toml")).expect("a plant");
+    assert!(found.contains("[[coupling]]") && found.contains("modal-matrix"), "{found}");
+
+    let call = ["diagnose", "--model", "found.toml", "--log", "log.csv", "--drop", "0.1"];
+    let gap = json(&[&call[..], &["--fail-above", "0.01"]].concat(), at);
+    assert_eq!(gap["verdict"], "adequate", "{gap}");
+    let warnings = gap["warnings"].to_string();
+    assert!(!warnings.contains("couples its axes") && !warnings.contains("FMU"), "{warnings}");
+    // The noise is a twentieth of a percent of the range.
+    let fails = piezoloop(&[&call[..], &["--fail-above", "1e-5"]].concat(), at);
+    let message = String::from_utf8_lossy(&fails.stderr);
+    assert_eq!(fails.status.code(), Some(1), "{message}");
+    assert!(!message.contains("couples its axes"), "{message}");
 }
 
 /// Two axes that couple through their modes, moved by random-phase multisines of 3 periods in two records, as

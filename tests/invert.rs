@@ -103,6 +103,30 @@ fn the_packed_controller_holds_on_the_rig_that_it_was_made_from() {
 }
 
 #[test]
+fn the_plant_that_identify_writes_is_inverted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    // The log of the README.
+    let signal = "signal triangle-decaying --set low=0 --set high=120 --set frequency=2 --set cycles=4 \
+                  --set sample_time=5e-4 -o triangles.csv";
+    succeed(&signal.split_whitespace().collect::<Vec<_>>(), at);
+    let run = "simulate evc-truth --log triangles.csv --map command[1]=u -o log.csv";
+    succeed(&run.split_whitespace().collect::<Vec<_>>(), at);
+    let identify = "identify --log log.csv --input command[1] --output position[1] -o plant.toml";
+    let identify: Vec<&str> = identify.split_whitespace().collect();
+    for model in [&[][..], &["--model", "generalised-play"]] {
+        succeed(&[&identify[..], model].concat(), at);
+        let plant = fs::read_to_string(at.join("plant.toml")).expect("a plant");
+        assert!(model.iter().skip(1).all(|kind| plant.contains(kind)), "{plant}");
+        let answer = json(&["invert", "plant.toml", "-o", "controller.toml"], at);
+        assert!(at.join("controller.toml").is_file(), "{model:?}");
+        // A slow wave on the very plant.
+        let error = answer["axes"][0]["checks"][0]["closed_loop"].as_f64();
+        assert!(error.is_some_and(|error| error < 0.05), "{model:?}: {answer}");
+    }
+}
+
+#[test]
 fn what_is_printed_stands_in_the_blueprint_and_in_the_answer() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
