@@ -63,7 +63,7 @@ pub(crate) fn open(what: &Path) -> anyhow::Result<Opened> {
     open_in(what, None)
 }
 
-/// An FMU's file, to run in processes of its own where there is a worker.
+/// Opens an FMU's file, to run in processes of its own where there is a worker.
 pub(crate) fn load(file: &Path, worker: Option<&Worker>) -> Result<Fmu, cosim::Error> {
     match worker {
         Some(worker) => Fmu::open_isolated(file, worker),
@@ -71,7 +71,7 @@ pub(crate) fn load(file: &Path, worker: Option<&Worker>) -> Result<Fmu, cosim::E
     }
 }
 
-/// As [`open`], to run in processes of its own where there is a worker.
+/// Opens an FMU, or packs a blueprint or a rig first, to run in processes of its own where there is a worker.
 pub(crate) fn open_in(what: &Path, worker: Option<&Worker>) -> anyhow::Result<Opened> {
     let is_blueprint = cli::ends_in(what, "toml") || !what.exists();
     if !is_blueprint {

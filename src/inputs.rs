@@ -57,7 +57,7 @@ impl Readings {
         Self { between: Some(between.name().into()), reading: Some(reading.name().into()) }
     }
 
-    /// As `held`, in the columns that feed inputs of an FMU; `map` says which column feeds which variable.
+    /// The log with held commands in the columns that feed inputs of an FMU; `map` says which column feeds which variable.
     pub(crate) fn held_for(&self, fmu: &Fmu, map: &[(String, String)], log: Log) -> Log {
         let inputs = fmu.names(Causality::Input);
         let driven = map.iter().filter(|(variable, _)| inputs.contains(variable));

@@ -130,7 +130,7 @@ impl Ear {
         self.heard().received.clone()
     }
 
-    /// As `received`, as sentences.
+    /// The messages so far as sentences.
     pub(crate) fn notes(&self) -> Vec<String> {
         let heard = self.heard();
         let mut notes: Vec<String> = heard.received.iter().map(FmuMessage::sentence).collect();
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn each_kind_is_told_once_with_its_count() {
+    fn each_kind_is_reported_once_with_its_count() {
         let mut heard = Heard::default();
         for k in 0..100 {
             heard.keep(

@@ -85,7 +85,7 @@ pub(crate) fn assemble(
     let categories = fmi_bindings::export::LOG_CATEGORIES;
     about.log_categories =
         categories.iter().map(|(name, what)| ((*name).to_owned(), (*what).to_owned())).collect();
-    tell(&mut about, source);
+    add_origin(&mut about, source);
     let description = describe(system.variables(), &about)?;
     let mut package = PackageBuilder::new(&description)?;
     let mut platforms = Vec::new();
@@ -127,8 +127,8 @@ pub(crate) fn assemble(
     Ok(Assembled { package, description, system, kind, platforms })
 }
 
-/// Who made the model, and what it may be used for.
-fn tell(about: &mut About, source: &inputs::BlueprintText) {
+/// States who made the model, and what it may be used for.
+fn add_origin(about: &mut About, source: &inputs::BlueprintText) {
     let some = |text: &str| Some(text.to_owned()).filter(|text| !text.is_empty());
     let blueprint = &source.blueprint;
     about.description = some(&blueprint.description);

@@ -48,11 +48,11 @@ pub(crate) struct AxisFigures {
     pub(crate) axis: String,
     /// Held-out error of the identified plant, % of range.
     pub(crate) identified_percent: f64,
-    /// As `identified_percent`, for a straight line.
+    /// Held-out error of a straight line, % of range.
     pub(crate) line_percent: f64,
     /// Largest error over peak-to-peak of the reference in %, PID alone.
     pub(crate) pid_percent: f64,
-    /// As `pid_percent`, with the inverse as feedforward.
+    /// Largest error over peak-to-peak of the reference in %, with the inverse as feedforward.
     pub(crate) inverse_and_pid_percent: f64,
     /// Least and greatest command of the loop with feedforward while it was judged, and whether it
     /// reached a bound.

@@ -22,7 +22,7 @@ mod asked;
 mod preset;
 mod tuned;
 
-use asked::{Asked, Own, asked as asked_of};
+use asked::{Asked, Own, asked_of};
 use preset::{write_fmu, write_set};
 use tuned::{Series, Weights};
 

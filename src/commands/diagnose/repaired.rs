@@ -45,7 +45,7 @@ impl Diagnose {
     }
 
     /// Writes an FMU with the diagnosed one inside.
-    fn write_around(
+    fn write_wrapper(
         &self,
         diagnosis: &Diagnosis,
         (model, file): (&Path, &Path),
@@ -71,7 +71,7 @@ impl Diagnose {
         others: &[Binary],
     ) -> anyhow::Result<Vec<String>> {
         if let Some(model) = source.fmu() {
-            return self.write_around(diagnosis, (&model, file), names, others);
+            return self.write_wrapper(diagnosis, (&model, file), names, others);
         }
         let (repaired, notes) = diagnosis.repair(&source.blueprint()?.blueprint);
         repaired.check(learned::COMPONENTS).with_context(|| {

@@ -44,7 +44,7 @@ impl Asked {
 }
 
 /// The values to find, as `NAME[=START[,LOW..HIGH]]`.
-pub(super) fn asked(
+pub(super) fn asked_of(
     option: &str,
     texts: &[String],
     fmu: &Fmu,

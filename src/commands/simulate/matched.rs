@@ -73,7 +73,7 @@ impl Matched {
         Ok(matched)
     }
 
-    /// As `of`, as sentences.
+    /// What has not found its counterpart, as sentences.
     pub(super) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if !self.unfed_inputs.is_empty() {
