@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::fit::delay;
 use crate::fit::operator::{Operator, Solved};
 use crate::fit::residual::mean;
-use crate::methods::{STATIC, Scene};
+use crate::methods::STATIC;
 use crate::record::{Record, Rows};
 use crate::settings::{Plan, Settings};
 
@@ -52,7 +52,7 @@ pub fn beginnings(records: &[Record], settings: &Settings) -> Result<Vec<Beginni
     let plan = settings.plan(records)?;
     let rows = plan.fitted.iter().map(|rows| Rows { first: inside(*rows), end: rows.end });
     let rows: Vec<Rows> = rows.collect();
-    let scene = Scene::of(records, &plan);
+    let scene = plan.scene(records);
     let (method, scene, period) = (STATIC, &scene, plan.period);
     let operator = Operator { method, scene, records, rows: &rows, period, substeps: 1 };
     let solved = delay::search(&operator, plan.longest_delay, &mut |_, _| {})?.solved;

@@ -46,10 +46,12 @@ pub enum Error {
         message: String,
     },
     /// A method that does not exist.
-    #[error("\"{name}\" is no method; there are {}", names())]
+    #[error("\"{name}\" is no method; there are {names}")]
     NoMethod {
         /// The name.
         name: String,
+        /// Names of the methods that there are.
+        names: String,
     },
     /// The caller asked to stop before there was a result.
     #[error("stopped before there was a model; let it run until the first one is fitted")]
@@ -220,10 +222,6 @@ pub struct NotInvertible {
     pub place: String,
     /// The reason, and the way out.
     pub reason: String,
-}
-
-fn names() -> String {
-    crate::methods::methods().map(|(name, _)| name).collect::<Vec<_>>().join(", ")
 }
 
 fn no_model(failures: &[(&str, Error)]) -> String {

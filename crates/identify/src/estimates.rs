@@ -4,7 +4,7 @@ use data::AxisBlueprint;
 use model::unit_on_axis;
 use numerics::least_squares::Partner;
 
-use crate::fit::linear_part::Deviations;
+use crate::fit::coordinates::Deviations;
 use crate::fit::operator::{self, Fit, Operator, Solved};
 use crate::fit::response::LinearPart;
 use crate::identification::{Correlation, Estimate, Verdict};

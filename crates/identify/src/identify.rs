@@ -7,8 +7,9 @@ use data::CheckedBlueprint;
 
 use crate::error::Error;
 use crate::estimates;
+use crate::fit::coordinates::{Deviations, Structure};
 use crate::fit::delay;
-use crate::fit::linear_part::{self, Deviations, Structure};
+use crate::fit::linear_part;
 use crate::fit::operator::{Fit, Operator};
 use crate::fit::response::LinearPart;
 use crate::identification::{Candidate, Estimate, Identification, Predicted};
@@ -53,7 +54,7 @@ pub fn identify(
 ) -> Result<Identification, Error> {
     let plan = settings.plan(records)?;
     structure::check_sign(records, &plan)?;
-    let scene = Scene::of(records, &plan);
+    let scene = plan.scene(records);
     let offsets = vec![0.0; records.len()];
     let mut session = Session { records, target, plan: &plan, scene: &scene, observer, offsets };
     let baseline = session.line()?;

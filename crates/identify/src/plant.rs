@@ -4,7 +4,7 @@ use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, Value
 use model::{Kind, Table};
 
 use crate::error::Error;
-use crate::fit::linear_part::Deviations;
+use crate::fit::coordinates::Deviations;
 use crate::fit::response::LinearPart;
 use crate::methods::Chain;
 use crate::record::Record;

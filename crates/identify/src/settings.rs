@@ -5,7 +5,7 @@ use data::AxisBlueprint;
 use crate::error::{Error, Problem, SettingsProblem};
 use crate::fit::operator::Search;
 use crate::learned::{Seek, Selection};
-use crate::methods::{self, LINEAR, METHODS, STATIC, Way};
+use crate::methods::{self, LINEAR, METHODS, STATIC, Scene, Way};
 use crate::record::{Record, Rows, common_period};
 
 /// Choices of an identification; [`Settings::default`] suits a log of some periods of a large slow
@@ -159,6 +159,28 @@ pub(crate) struct Plan {
     pub(crate) learning: Learning,
 }
 
+impl Plan {
+    /// What methods know of the rows fitted on.
+    pub(crate) fn scene(&self, records: &[Record]) -> Scene {
+        let rows = || records.iter().zip(&self.fitted);
+        let duration = rows().map(|(record, rows)| rows.len() as f64 * record.period());
+        let span = |column: fn(&Record) -> &[f64]| {
+            let values = || rows().flat_map(|(record, rows)| rows.of(column(record))).copied();
+            [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let (command, position) = (span(Record::input), span(Record::output));
+        Scene {
+            command,
+            position,
+            zero: Scene::zero_of(command, position),
+            duration: duration.fold(0.0, f64::max),
+            thresholds: self.thresholds.clone(),
+            levels: self.levels,
+            least_slope: self.least_slope,
+        }
+    }
+}
+
 impl Settings {
     /// Checks the settings, by themselves and against the records.
     ///
@@ -210,9 +232,11 @@ impl Settings {
         match &self.methods {
             Methods::Sensible => Ok(METHODS.iter().copied().map(Way::Operator).collect()),
             Methods::Named(names) => {
-                let find = |name: &String| {
-                    methods::find(name).ok_or_else(|| Error::NoMethod { name: name.clone() })
+                let unknown = |name: &String| {
+                    let names = methods::methods().map(|(name, _)| name).collect::<Vec<_>>();
+                    Error::NoMethod { name: name.clone(), names: names.join(", ") }
                 };
+                let find = |name: &String| methods::find(name).ok_or_else(|| unknown(name));
                 names.iter().map(find).collect()
             }
         }

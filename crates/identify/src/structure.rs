@@ -3,7 +3,7 @@
 use data::ComponentBlueprint;
 
 use crate::error::{Error, Problem};
-use crate::fit::linear_part::Structure;
+use crate::fit::coordinates::Structure;
 use crate::fit::residual::mean;
 use crate::fit::response::LinearPart;
 use crate::methods::{Chain, LINEAR, Method};

@@ -1,6 +1,6 @@
 //! The rows of a least squares whose offset is eliminated.
 
-use super::operator::Operator;
+use crate::methods::{Method, Scene};
 
 /// The rows of one record, the offset eliminated by taking the weighted mean from both sides.
 pub(super) struct Centred {
@@ -16,18 +16,18 @@ pub(super) struct Centred {
 
 impl Centred {
     pub(super) fn new(
-        operator: &Operator<'_>,
-        shape: &[f64],
+        method: &dyn Method,
+        (scene, shape): (&Scene, &[f64]),
         columns: Vec<Vec<f64>>,
         output: &[f64],
     ) -> Self {
-        let unmapped = operator.method.unmapped(operator.scene, shape, output);
+        let unmapped = method.unmapped(scene, shape, output);
         let (target, slope): (Vec<f64>, Vec<f64>) = match unmapped {
             Some(pairs) => pairs.into_iter().unzip(),
             None => (output.to_vec(), vec![1.0; output.len()]),
         };
         let total = slope.iter().map(|s| s * s).sum();
-        let total = (!operator.method.anchored()).then_some(total);
+        let total = (!method.anchored()).then_some(total);
         let (means, target_mean) = (Vec::new(), 0.0);
         let mut all = Self { columns, target, slope, total, means, target_mean };
         all.means = all.columns.iter().map(|c| all.mean(c)).collect();

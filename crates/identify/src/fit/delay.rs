@@ -19,7 +19,7 @@
 
 use crate::error::Error;
 
-use super::linear_part::Deviations;
+use super::coordinates::Deviations;
 use super::operator::{Fit, Operator, Solved};
 use super::residual::independent_samples;
 use super::response::LinearPart;

@@ -1,6 +1,7 @@
 //! The fits: weights and shape of a method, delay, linear parts.
 
 mod centred;
+pub(crate) mod coordinates;
 pub(crate) mod delay;
 pub(crate) mod levenberg_marquardt;
 pub(crate) mod linear_part;

@@ -17,8 +17,8 @@ use crate::observer::Observer;
 use crate::record::{Record, Rows};
 
 use super::centred::Centred;
+use super::coordinates::{Coordinates, Deviations, Structure, visible};
 use super::levenberg_marquardt::{self, Ending, Minimum, Unknown};
-use super::linear_part::{Coordinates, Deviations, Structure, visible};
 use super::residual::{independent_samples, mean};
 use super::response::{LinearPart, Part, after_hysteresis, before_hysteresis};
 use super::swarm::{self, Swarm};
@@ -112,7 +112,8 @@ impl Operator<'_> {
         let mut count = 0;
         for (record, rows) in self.records.iter().zip(self.rows) {
             let columns = self.columns(record, record.rest(), *rows, &linear, shape)?;
-            let part = Centred::new(self, shape, columns, rows.of(record.output()));
+            let part =
+                Centred::new(self.method, (self.scene, shape), columns, rows.of(record.output()));
             count += rows.len();
             for k in 0..rows.len() {
                 reduced.push(part.row(k, least));

@@ -12,7 +12,7 @@ use model::Kind;
 
 use super::Complex;
 use super::held::{PlantNames, delay_of};
-use super::local::FrequencyResponse;
+use super::response::FrequencyResponse;
 use crate::error::Error;
 use crate::fit::levenberg_marquardt::{PATIENT, Unknown, minimise};
 

@@ -11,9 +11,9 @@ use model::Kind;
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::Complex;
-use super::local::FrequencyResponse;
 use super::modes::{Choice, RationalSettings, choose};
 use super::rational::{Domain, Rational};
+use super::response::FrequencyResponse;
 use crate::error::Error;
 
 /// Time constant in s of the running rms that softening modes follow.

@@ -11,16 +11,7 @@ use serde::Serialize;
 
 use super::Complex;
 use super::excitation::Spectra;
-use super::local::{FrequencyResponse, Line};
-
-/// Output at the lines between the excited ones.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Distortion {
-    /// Frequency, and per output the amplitude, at even lines.
-    pub even: Vec<(f64, Vec<f64>)>,
-    /// As `even`, at odd lines.
-    pub odd: Vec<(f64, Vec<f64>)>,
-}
+use super::response::{Distortion, FrequencyResponse, Line};
 
 /// Levels of one output, rms over the band in its unit, of one line each.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -14,15 +14,17 @@ mod modes;
 mod rational;
 mod refine;
 mod relocate;
+mod response;
 
 pub use chain::{Chain, choose_chain, hold};
 pub use excitation::{Experiment, period_of};
 pub use held::{HeldMode, HeldPlant, PlantNames, Softening, choose_held};
-pub use levels::{Distortion, Levels};
-pub use local::{Alone, FrequencyResponse, Line, MeasureSettings, measure};
+pub use levels::Levels;
+pub use local::{MeasureSettings, measure};
 pub use modes::{Choice, Mode, RationalSettings, choose, fit_with_delay};
 pub use rational::{Domain, Rational};
 pub use refine::{Level, refined, relative, softened};
+pub use response::{Alone, Distortion, FrequencyResponse, Line};
 
 /// A complex number.
 pub type Complex = nalgebra::Complex<f64>;

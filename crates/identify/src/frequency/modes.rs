@@ -4,9 +4,9 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::Complex;
-use super::local::FrequencyResponse;
 use super::rational::{Domain, Rational};
 use super::relocate::{Basis, Samples, relocated, residues};
+use super::response::FrequencyResponse;
 use crate::error::Error;
 
 /// How a rational model is fitted.
@@ -75,7 +75,7 @@ impl FrequencyResponse {
     #[must_use]
     pub fn misfit(&self, model: &Rational) -> f64 {
         let floor = self.least_deviation();
-        let square = |line: &super::local::Line| {
+        let square = |line: &super::response::Line| {
             let rest = &line.response - model.response(line.frequency);
             let each = rest.iter().zip(&line.deviation);
             each.map(|(rest, d)| rest.norm_sqr() / d.max(floor).powi(2)).sum::<f64>()

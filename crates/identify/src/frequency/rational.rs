@@ -9,7 +9,6 @@
 use nalgebra::DMatrix;
 
 use super::Complex;
-use super::relocate::Basis;
 
 /// What the transfer matrix is rational in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,32 +130,5 @@ impl Rational {
             })
             .sum();
         direct + moving
-    }
-
-    /// From coefficients over a basis, one vector per element, columns first.
-    pub(super) fn from_coefficients(
-        basis: &Basis,
-        shape: (usize, usize),
-        elements: &[Vec<f64>],
-        delay: f64,
-    ) -> Self {
-        let (rows, columns) = shape;
-        let element = |o: usize, i: usize| &elements[i * rows + o];
-        let residue = |place: usize, pole: &Complex| {
-            DMatrix::from_fn(rows, columns, |o, i| {
-                let c = element(o, i);
-                let imaginary = if pole.im == 0.0 { 0.0 } else { c[place + 1] };
-                Complex::new(c[place], imaginary)
-            })
-        };
-        let residues = basis.places().map(|(place, pole)| residue(place, pole)).collect();
-        let last = basis.width();
-        Self {
-            domain: basis.domain,
-            poles: basis.poles.clone(),
-            residues,
-            direct: DMatrix::from_fn(rows, columns, |o, i| element(o, i)[last]),
-            delay,
-        }
     }
 }

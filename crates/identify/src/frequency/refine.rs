@@ -21,8 +21,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Complex;
 use super::held::{HeldMode, HeldPlant, Softening};
-use super::local::{FrequencyResponse, Line};
 use super::relocate::scaled_columns;
+use super::response::{FrequencyResponse, Line};
 use crate::error::Error;
 
 /// A response at one level of excitation.

@@ -112,6 +112,32 @@ impl Basis {
         }
         a.complex_eigenvalues().iter().copied().collect()
     }
+
+    /// The transfer matrix of these coefficients, one vector per element, columns first.
+    fn rational(
+        &self,
+        (rows, columns): (usize, usize),
+        elements: &[Vec<f64>],
+        delay: f64,
+    ) -> Rational {
+        let element = |o: usize, i: usize| &elements[i * rows + o];
+        let residue = |place: usize, pole: &Complex| {
+            DMatrix::from_fn(rows, columns, |o, i| {
+                let c = element(o, i);
+                let imaginary = if pole.im == 0.0 { 0.0 } else { c[place + 1] };
+                Complex::new(c[place], imaginary)
+            })
+        };
+        let residues = self.places().map(|(place, pole)| residue(place, pole)).collect();
+        let last = self.width();
+        Rational {
+            domain: self.domain,
+            poles: self.poles.clone(),
+            residues,
+            direct: DMatrix::from_fn(rows, columns, |o, i| element(o, i)[last]),
+            delay,
+        }
+    }
 }
 
 /// Rows of the least squares: real parts above imaginary parts.
@@ -232,6 +258,5 @@ pub(super) fn residues(
     let sum: f64 = fitted.iter().map(|(_, squares)| squares).sum();
     let all: Vec<Vec<f64>> = fitted.into_iter().map(|(c, _)| c).collect();
     let count = (lines * all.len()) as f64;
-    let shape = samples.response[0].shape();
-    Ok((Rational::from_coefficients(basis, shape, &all, delay), sum / count))
+    Ok((basis.rational(samples.response[0].shape(), &all, delay), sum / count))
 }

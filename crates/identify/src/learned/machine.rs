@@ -6,7 +6,7 @@ use learned::lssvm::{LsSvm, Pruned, Pruning, Report, Samples, Settings, prune};
 use learned::{Compressor, KernelSum};
 use model::Table;
 
-use super::{projection, rms_difference};
+use super::rms_difference;
 
 /// A range that is mapped onto 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,17 +113,6 @@ impl Frame {
         });
         self.slope = if uu > 0.0 { uy / uu } else { 0.0 };
         self
-    }
-
-    /// As `on_a_line`, with the stop operators added to the command, where a curve of their sum follows these rows of the
-    /// records, counted through, better than a curve of the command beside them.
-    #[must_use]
-    pub fn projected(&self, records: &[(&[f64], &[f64])], rows: &[usize]) -> Self {
-        let mut projected = self.clone();
-        if let Features::Stops(stops) = &mut projected.features {
-            stops.projection = projection::project(self, records, rows).unwrap_or_default();
-        }
-        projected
     }
 
     /// The scaled command with the stops added to it as they are weighed, from rest under the first command.

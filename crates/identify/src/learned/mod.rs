@@ -7,6 +7,7 @@
 mod arx;
 mod cascade;
 mod evidence;
+pub(crate) mod family;
 pub mod inverse;
 mod machine;
 pub(crate) mod network;

@@ -15,6 +15,7 @@ use model::Table;
 use learned::Deviation;
 use learned::lssvm::{Pruning, Settings, prune};
 
+use super::family::Family;
 use super::series::rows;
 use super::{Arx, Frame, Machine, Run, Series, Span, Teaches, Turns};
 use crate::error::Error;
@@ -32,57 +33,6 @@ const CENTRES: (usize, f64) = (1000, 0.02);
 const PREDICTED: usize = 200;
 /// Zeros and poles of D.
 const ORDERS: [(usize, usize); 2] = [(2, 2), (3, 3)];
-
-/// Which machine is learned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Family {
-    /// An LS-SVM over stop operators and the command.
-    Stops,
-    /// An LS-SVM over past commands and its own past outputs.
-    Narx,
-    /// An LS-SVM for the hysteresis term beside a straight line, over commands, positions and its own past.
-    Term,
-    /// A Gaussian process over the command and its derivatives.
-    Process,
-}
-
-impl Family {
-    /// All families.
-    pub(crate) const ALL: [Self; 4] = [Self::Stops, Self::Narx, Self::Term, Self::Process];
-
-    /// The family's name on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Stops => "lssvm-stops",
-            Self::Narx => "lssvm-narx",
-            Self::Term => "lssvm-term",
-            Self::Process => "gp",
-        }
-    }
-
-    /// One sentence.
-    pub(crate) fn summary(self) -> &'static str {
-        match self {
-            Self::Stops => "LS-SVM over stop operators, and a linear part: learned, of any shape",
-            Self::Narx => {
-                "LS-SVM over past commands and its own past outputs, and a linear part: learned"
-            }
-            Self::Term => {
-                "Straight line with a hysteresis term by an LS-SVM over commands, positions and its own past: learned"
-            }
-            Self::Process => "Gaussian process over the command and its derivatives: learned",
-        }
-    }
-
-    fn stage(self) -> &'static str {
-        match self {
-            Self::Stops => "LS-SVM over stop operators",
-            Self::Narx => "LS-SVM over past outputs",
-            Self::Term => "LS-SVM for a hysteresis term",
-            Self::Process => "Gaussian process",
-        }
-    }
-}
 
 /// What is learned from.
 pub(crate) struct Lesson<'a> {

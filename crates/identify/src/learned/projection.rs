@@ -33,13 +33,22 @@ const RIDGE: (f64, f64) = (1e-6, 1e-6);
 /// Most samples.
 const MOST: usize = 3000;
 
+impl Frame {
+    /// This frame with the stop operators added to the command, where a curve of their sum follows these rows of the
+    /// records, counted through, better than a curve of the command beside them.
+    #[must_use]
+    pub fn projected(&self, records: &[(&[f64], &[f64])], rows: &[usize]) -> Self {
+        let mut projected = self.clone();
+        if let Features::Stops(stops) = &mut projected.features {
+            stops.projection = project(self, records, rows).unwrap_or_default();
+        }
+        projected
+    }
+}
+
 /// The weights of all stops of the frame that follow these rows of the records best, in the frame's scaled inputs;
 /// `None` where a curve and stops side by side do as well.
-pub(super) fn project(
-    frame: &Frame,
-    records: &[(&[f64], &[f64])],
-    rows: &[usize],
-) -> Option<Vec<f64>> {
+fn project(frame: &Frame, records: &[(&[f64], &[f64])], rows: &[usize]) -> Option<Vec<f64>> {
     let Features::Stops(stops) = &frame.features else { return None };
     let taken = taken(stops.count);
     let bare = stops.bare();

@@ -23,9 +23,7 @@ use data::ComponentBlueprint;
 
 use crate::error::Error;
 use crate::fit::response::Part;
-use crate::learned::plant::Family;
-use crate::record::Record;
-use crate::settings::Plan;
+use crate::learned::family::Family;
 
 /// All methods, the simplest first. Among methods that differ little the simpler one is returned.
 pub(crate) static METHODS: LazyLock<Vec<&'static dyn Method>> = LazyLock::new(|| {
@@ -117,26 +115,6 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// What the rows fitted on show.
-    pub(crate) fn of(records: &[Record], plan: &Plan) -> Self {
-        let rows = || records.iter().zip(&plan.fitted);
-        let duration = rows().map(|(record, rows)| rows.len() as f64 * record.period());
-        let span = |column: fn(&Record) -> &[f64]| {
-            let values = || rows().flat_map(|(record, rows)| rows.of(column(record))).copied();
-            [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
-        };
-        let (command, position) = (span(Record::input), span(Record::output));
-        Self {
-            command,
-            position,
-            zero: Self::zero_of(command, position),
-            duration: duration.fold(0.0, f64::max),
-            thresholds: plan.thresholds.clone(),
-            levels: plan.levels,
-            least_slope: plan.least_slope,
-        }
-    }
-
     /// Position at zero command on the line from the least to the greatest command and position.
     pub(crate) fn zero_of([low, high]: [f64; 2], [bottom, top]: [f64; 2]) -> f64 {
         bottom - low * (top - bottom) / (high - low)
