@@ -1,7 +1,7 @@
 //! Calibration of any model by its residuals: values, 95 % intervals, correlation, and what the
 //! residuals do not determine.
 //!
-//! minimise ‖r(p)‖², lower ≤ p ≤ upper, by the Levenberg–Marquardt of this crate from several starts, the
+//! minimise ‖r(p)‖², lower ≤ p ≤ upper, by [`minimise`] from several starts, the
 //! best one then by Gauss–Newton steps with central differences until they no longer move. With J the
 //! Jacobian there, n residuals and m parameters,
 //!
@@ -16,8 +16,9 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+use numerics::levenberg_marquardt::{PATIENT, Unknown, minimise};
+
 use crate::error::Error;
-use crate::fit::levenberg_marquardt::{PATIENT, Unknown, minimise};
 
 /// A parameter to be found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,7 +164,9 @@ fn descend<F: FnMut(&[f64]) -> Option<Vec<f64>>>(
         };
         let unknowns: Vec<Unknown> = at.iter().zip(model.parameters).map(unknown).collect();
         // One that has not converged is gone on with by the last steps.
-        let Ok(found) = minimise(&unknowns, PATIENT, |q| Ok(model.at(q)), |_| {}) else { break };
+        let Ok(found) = minimise::<Error>(&unknowns, PATIENT, |q| Ok(model.at(q)), |_| {}) else {
+            break;
+        };
         at = found.parameters;
         let is_at_side = |((q, u), p): ((&f64, &Unknown), &Tunable)| {
             (*q <= u.lower && u.lower > p.lower / p.scale)
@@ -182,7 +185,8 @@ fn is_at_bound(q: f64, p: &Tunable) -> bool {
     near(p.lower) || near(p.upper)
 }
 
-/// Gauss–Newton steps until they no longer move; where they do not help, the point stays.
+/// Gauss–Newton steps until they no longer move; where they do not help, the point stays. [`minimise`] cannot take its
+/// place: forward differences end about as far from the minimum as their step is long, and central ones do not.
 fn polish<F: FnMut(&[f64]) -> Option<Vec<f64>>>(
     model: &mut Model<'_, F>,
     mut at: Vec<f64>,

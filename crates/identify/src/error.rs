@@ -89,7 +89,7 @@ pub enum Error {
 }
 
 impl Error {
-    pub(crate) fn no_solution(reason: &'static str) -> Self {
+    pub(crate) const fn no_solution(reason: &'static str) -> Self {
         Self::NoSolution { reason }
     }
 }

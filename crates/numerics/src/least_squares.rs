@@ -184,6 +184,34 @@ fn finish(matrix: &DMatrix<f64>, x: Vec<f64>) -> Solution {
     Solution { x, variance, partner }
 }
 
+/// min ‖A x − b‖ of more rows than columns, which are scaled to length one: x, and the least ‖A x − b‖². `None` where
+/// the columns depend on each other or a value is not finite.
+#[must_use]
+pub fn of_full_rank(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<(Vec<f64>, f64)> {
+    let norms = scaled_columns(&mut matrix);
+    let width = norms.len();
+    let mut both = matrix.insert_column(width, 0.0);
+    both.set_column(width, right);
+    let r = triangle(both);
+    let found =
+        r.view((0, 0), (width, width)).solve_upper_triangular(&r.column(width).rows(0, width));
+    let solution = found.map(|x| x.component_div(&norms).as_slice().to_vec());
+    let finite = solution.filter(|x| x.iter().all(|x| x.is_finite()));
+    Some((finite?, r[(width, width)].powi(2)))
+}
+
+/// Divides each column by its length; returns the lengths.
+pub fn scaled_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
+    let norms = DVector::from_iterator(
+        matrix.ncols(),
+        matrix.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)),
+    );
+    for (mut column, norm) in matrix.column_iter_mut().zip(&norms) {
+        column.unscale_mut(*norm);
+    }
+    norms
+}
+
 /// Diagonal of (JᵀJ)⁻¹ over the columns `free`, and for each the greatest correlation with another.
 #[must_use]
 pub fn spread(matrix: &DMatrix<f64>, free: &[usize]) -> (Vec<Option<f64>>, Vec<Option<Partner>>) {

@@ -1,8 +1,9 @@
-//! Numerical methods that several crates need, behind functions that are not generic: they are compiled
-//! here once, and not again in each crate that calls them.
+//! Numerical methods that several crates need, behind functions whose bulk is not generic: it is compiled
+//! here once, and not again in each crate that calls it.
 
 pub mod fft;
 pub mod least_squares;
+pub mod levenberg_marquardt;
 pub mod qr;
 pub mod random;
 pub mod spectrum;

@@ -1,8 +1,9 @@
 //! The linear parts as coordinates of a search.
 
+use numerics::levenberg_marquardt::Unknown;
+
 use crate::record::{Record, Rows};
 
-use super::levenberg_marquardt::Unknown;
 use super::response::{LinearPart, ModeShape};
 
 /// Highest frequency in parts of the sample rate: above it a mode is seen only through its skirt.

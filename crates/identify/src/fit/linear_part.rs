@@ -9,11 +9,12 @@
 
 use core::f64::consts::TAU;
 
+use numerics::levenberg_marquardt::{PATIENT, minimise};
+
 use crate::error::Error;
 use crate::methods::Scene;
 
 use super::coordinates::{Coordinates, Structure, visible};
-use super::levenberg_marquardt::{PATIENT, minimise};
 use super::operator::{Fit, Operator};
 use super::residual::independent_samples;
 use super::response::{LinearPart, ModeShape};

@@ -3,7 +3,6 @@
 mod centred;
 pub(crate) mod coordinates;
 pub(crate) mod delay;
-pub(crate) mod levenberg_marquardt;
 pub(crate) mod linear_part;
 pub(crate) mod operator;
 pub(crate) mod residual;

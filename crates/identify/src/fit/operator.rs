@@ -10,6 +10,7 @@
 use std::cell::RefCell;
 
 use numerics::least_squares::{Partner, Reduced};
+use numerics::levenberg_marquardt::{self, Ending, Minimum, Unknown};
 
 use crate::error::Error;
 use crate::methods::{Method, Scene, Shape};
@@ -18,7 +19,6 @@ use crate::record::{Record, Rows};
 
 use super::centred::Centred;
 use super::coordinates::{Coordinates, Deviations, Structure, visible};
-use super::levenberg_marquardt::{self, Ending, Minimum, Unknown};
 use super::residual::{independent_samples, mean};
 use super::response::{LinearPart, Part, after_hysteresis, before_hysteresis};
 use super::swarm::{self, Swarm};

@@ -10,11 +10,10 @@
 //! Source: J. Kennedy, R. Eberhart, Proc. IEEE ICNN (1995) 1942–1948; inertia: Y. Shi, R. Eberhart,
 //! Proc. IEEE ICEC (1998) 69–73.
 
+use numerics::levenberg_marquardt::Unknown;
 use numerics::random::SplitMix64;
 
 use crate::error::Error;
-
-use super::levenberg_marquardt::Unknown;
 
 /// Settings of a swarm; the default is that of the papers.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,8 +13,9 @@ use model::Kind;
 use super::Complex;
 use super::held::{PlantNames, delay_of};
 use super::response::FrequencyResponse;
+use numerics::levenberg_marquardt::{PATIENT, Unknown, minimise};
+
 use crate::error::Error;
-use crate::fit::levenberg_marquardt::{PATIENT, Unknown, minimise};
 
 /// Parts in a row.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,7 +141,9 @@ fn fitted(points: &[Point], period: f64, lags: usize, has_mode: bool) -> Option<
                     });
                     Ok(rest.collect::<Vec<f64>>())
                 };
-                let Ok(minimum) = minimise(&unknowns, PATIENT, residuals, |_| ()) else { continue };
+                let Ok(minimum) = minimise::<Error>(&unknowns, PATIENT, residuals, |_| ()) else {
+                    continue;
+                };
                 let Ok(rest) = residuals(&minimum.parameters) else { continue };
                 let cost: f64 = rest.iter().map(|r| r * r).sum();
                 if cost.is_finite() && best.as_ref().is_none_or(|(least, ..)| cost < *least) {

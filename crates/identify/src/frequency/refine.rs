@@ -18,10 +18,10 @@ use core::f64::consts::TAU;
 
 use components::linear::Transition;
 use nalgebra::{DMatrix, DVector};
+use numerics::least_squares::scaled_columns;
 
 use super::Complex;
 use super::held::{HeldMode, HeldPlant, Softening};
-use super::relocate::scaled_columns;
 use super::response::{FrequencyResponse, Line};
 use crate::error::Error;
 

@@ -11,12 +11,16 @@
 //! Compon. Lett. 18 (2008) 383-385.
 
 use nalgebra::{DMatrix, DVector};
+use numerics::least_squares::of_full_rank;
 use numerics::qr::triangle;
 use rayon::prelude::*;
 
 use super::Complex;
 use super::rational::{Domain, Rational};
 use crate::error::Error;
+
+/// Why poles are not found.
+const COINCIDENT: Error = Error::no_solution("the fit's poles coincide");
 
 /// Samples of a transfer matrix with weights.
 pub(super) struct Samples<'a> {
@@ -187,7 +191,7 @@ pub(super) fn relocated(basis: &Basis, samples: &Samples<'_>) -> Result<Basis, E
     }
     let mut right = DVector::zeros(last + 1);
     right[last] = strength * lines as f64;
-    let (mut c, _) = least_squares(stack, &right)?;
+    let (mut c, _) = of_full_rank(stack, &right).ok_or(COINCIDENT)?;
     // A σ without its constant has no zeros to go to.
     let least = 1e-8;
     if c[n].abs() < least {
@@ -213,34 +217,6 @@ fn at(matrix: &DMatrix<f64>, row: usize, column: usize) -> Option<f64> {
     (row < matrix.nrows() && column < matrix.ncols()).then(|| matrix[(row, column)])
 }
 
-/// Least squares of more rows than columns, which are scaled to length one: the solution, and the sum of the squares of
-/// what it leaves.
-fn least_squares(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Result<(Vec<f64>, f64), Error> {
-    let norms = scaled_columns(&mut matrix);
-    let width = norms.len();
-    let mut both = matrix.insert_column(width, 0.0);
-    both.set_column(width, right);
-    let r = triangle(both);
-    let found =
-        r.view((0, 0), (width, width)).solve_upper_triangular(&r.column(width).rows(0, width));
-    let solution = found.map(|x| x.component_div(&norms).as_slice().to_vec());
-    let finite = solution.filter(|x| x.iter().all(|x| x.is_finite()));
-    let solution = finite.ok_or(Error::no_solution("the fit's poles coincide"))?;
-    Ok((solution, r[(width, width)].powi(2)))
-}
-
-/// Divides each column by its length; returns the lengths.
-pub(super) fn scaled_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
-    let norms = DVector::from_iterator(
-        matrix.ncols(),
-        matrix.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)),
-    );
-    for (mut column, norm) in matrix.column_iter_mut().zip(&norms) {
-        column.unscale_mut(*norm);
-    }
-    norms
-}
-
 /// Residues and direct term for given poles, and the weighted mean square of what is left.
 pub(super) fn residues(
     basis: &Basis,
@@ -252,7 +228,8 @@ pub(super) fn residues(
     let element = |&place: &(usize, usize)| {
         let (weight, response) = samples.of(place);
         let matrix = stacked(lines, phi.ncols(), |k, c| phi[(k, c)] * weight[k]);
-        least_squares(matrix, &stacked(lines, 1, |k, _| response[k]).column(0).into_owned())
+        let right = stacked(lines, 1, |k, _| response[k]).column(0).into_owned();
+        of_full_rank(matrix, &right).ok_or(COINCIDENT)
     };
     let fitted = samples.elements().par_iter().map(element).collect::<Result<Vec<_>, Error>>()?;
     let sum: f64 = fitted.iter().map(|(_, squares)| squares).sum();

@@ -8,8 +8,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use numerics::levenberg_marquardt::{PATIENT, Unknown, minimise};
+
 use crate::error::Error;
-use crate::fit::levenberg_marquardt::{PATIENT, Unknown, minimise};
 
 /// A rational transfer function in the backward shift.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +72,9 @@ impl Arx {
         };
         let squares = |tried: &Self| errors(tried).iter().map(|e| e * e).sum::<f64>();
         let residuals = |p: &[f64]| Ok(errors(&of(p)));
-        let Ok(minimum) = minimise(&unknowns, PATIENT, residuals, |_| ()) else { return Ok(start) };
+        let Ok(minimum) = minimise::<Error>(&unknowns, PATIENT, residuals, |_| ()) else {
+            return Ok(start);
+        };
         let fitted = of(&minimum.parameters);
         let (before, after) = (squares(&start), squares(&fitted));
         Ok(if after < before || before.is_nan() { fitted } else { start })
@@ -204,6 +207,7 @@ impl Arx {
             };
             let matrix = DMatrix::from_fn(rows.len(), zeros + 1 + poles, at);
             let right = DVector::from_fn(rows.len(), |row, _| filtered[rows[row].0].1[rows[row].1]);
+            // The shortest of all solutions where a record does not determine one: no least squares of full rank.
             let solution = matrix.svd(true, true).solve(&right, 1e-12).ok();
             let Some(p) = solution.filter(|p| p.iter().all(|x| x.is_finite())) else { break };
             let all = p.as_slice();

@@ -18,12 +18,13 @@
 
 use learned::features::{Features, Stops};
 use nalgebra::{DMatrix, DVector};
+use numerics::least_squares::NoSolution;
+use numerics::levenberg_marquardt::{Ending, Unknown, minimise};
 
 use super::projection::taken;
 use super::series::{before, rows};
 use super::spline::Knots;
 use super::{Arx, Frame, Machine, Run, SEED, Series, Span, Waves, Weighed, Widths, weigh_samples};
-use crate::fit::levenberg_marquardt::{Ending, Unknown, minimise};
 
 /// Intervals of the spline.
 const INTERVALS: usize = 48;
@@ -97,7 +98,7 @@ pub(super) fn fit(frame: &Frame, runs: &[Run<'_>], bandwidth: f64, period: f64) 
         Ok(all)
     };
     // A search that is still creeping along when its time is over has a good place, too.
-    drop(minimise(&start, ENDING, residuals, |_| ()));
+    drop(minimise::<NoSolution>(&start, ENDING, residuals, |_| ()));
     let found = best.1;
     if found.is_empty() {
         return None;

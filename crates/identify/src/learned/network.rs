@@ -18,6 +18,7 @@ use components::random::normal;
 use data::{ComponentBlueprint, Value};
 use learned::plays::{INPUTS, inputs_of, unit, unit_slope};
 use nalgebra::{DMatrix, DVector};
+use numerics::levenberg_marquardt::damped_step;
 
 use self::joint::Joint;
 use crate::error::Error;
@@ -324,13 +325,9 @@ fn search(inputs: &[[f64; INPUTS]], left: &[f64], start: usize) -> (f64, Vec<f64
         let (normal, gradient) = equations(inputs, left, &at, &begin);
         let before = cost;
         while damping < 1e12 {
-            let mut damped = normal.clone();
-            for k in 0..damped.nrows() {
-                damped[(k, k)] *= 1.0 + damping;
-            }
-            let step = damped.cholesky().map(|root| root.solve(&gradient));
+            let step = damped_step(normal.clone(), &gradient, damping);
             let next: Option<Vec<f64>> =
-                step.map(|step| at.iter().zip(step.iter()).map(|(a, d)| a - d).collect());
+                step.map(|step| at.iter().zip(step.iter()).map(|(a, d)| a + d).collect());
             let tried = next.map(|next| (sum(inputs, left, &next, &begin), next));
             if let Some((less, next)) = tried.filter(|(tried, _)| *tried < cost) {
                 (cost, at) = (less, next);

@@ -11,6 +11,7 @@
 
 use learned::plays::{INPUTS, unit, unit_slope};
 use nalgebra::{DMatrix, DVector};
+use numerics::levenberg_marquardt::damped_step;
 
 use super::{BEYOND, EACH, HEIGHT, Lesson, Plays, STARTS, WEIGHT, without_means};
 use crate::error::Error;
@@ -69,13 +70,9 @@ impl Joint<'_> {
             let (normal, gradient) = self.equations(&at)?;
             let before = at.sum;
             while damping < 1e9 {
-                let mut damped = normal.clone();
-                for k in 0..damped.nrows() {
-                    damped[(k, k)] *= 1.0 + damping;
-                }
-                let change = damped.cholesky().map(|root| root.solve(&gradient));
+                let change = damped_step(normal.clone(), &gradient, damping);
                 let tried = change.and_then(|change| {
-                    let next = at.numbers.iter().zip(change.iter()).map(|(a, d)| a - d);
+                    let next = at.numbers.iter().zip(change.iter()).map(|(a, d)| a + d);
                     self.point(self.within(next.collect())).ok()
                 });
                 if let Some(tried) = tried.filter(|tried| tried.sum < at.sum) {

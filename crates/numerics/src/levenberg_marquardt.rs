@@ -2,62 +2,64 @@
 //!
 //! minimise ½‖r(p)‖² with lower ≤ p ≤ upper. Each step solves (JᵀJ + λ diag(JᵀJ)) δ = −Jᵀr over the
 //! parameters that do not push against a bound and is clipped to the bounds; λ falls tenfold after
-//! a step that helps and grows tenfold after one that does not.
+//! a step that helps and grows tenfold after one that does not. J has one row per residual and one
+//! column per parameter; the number of residuals is the same at every p.
 //!
 //! Reference: D. W. Marquardt, J. SIAM 11 (1963) 431–441; bounds by projection as in C. Kanzow,
 //! N. Yamashita, M. Fukushima, J. Comput. Appl. Math. 172 (2004) 375–397.
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::error::Error;
-
-use numerics::least_squares::{Partner, spread};
+use crate::least_squares::{NoSolution, Partner, spread};
 
 /// One parameter: start and bounds, scaled so that a change of 1 is a large one.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Unknown {
-    pub(crate) start: f64,
-    pub(crate) lower: f64,
-    pub(crate) upper: f64,
+pub struct Unknown {
+    /// Where the search begins.
+    pub start: f64,
+    /// Least value.
+    pub lower: f64,
+    /// Greatest value.
+    pub upper: f64,
 }
 
 /// Where the search ended.
 #[derive(Clone, Debug)]
-pub(crate) struct Minimum {
+pub struct Minimum {
     /// The parameters.
-    pub(crate) parameters: Vec<f64>,
+    pub parameters: Vec<f64>,
     /// Diagonal of (JᵀJ)⁻¹; `None` where a parameter is at a bound or has no effect.
-    pub(crate) variance: Vec<Option<f64>>,
+    pub variance: Vec<Option<f64>>,
     /// For each parameter, the other one it is correlated with most.
-    pub(crate) partner: Vec<Option<Partner>>,
+    pub partner: Vec<Option<Partner>>,
 }
 
-/// Step of the forward differences.
-const DIFFERENCE: f64 = 1e-6;
 /// When a search ends.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ending {
+pub struct Ending {
     /// Most iterations; a problem of a few parameters needs 10 to 30.
-    pub(crate) iterations: usize,
+    pub iterations: usize,
     /// Relative fall of the sum of squares below which the search has converged.
-    pub(crate) tolerance: f64,
+    pub tolerance: f64,
 }
 
 /// To the last digit that matters to a delay or a frequency.
-pub(crate) const PATIENT: Ending = Ending { iterations: 100, tolerance: 1e-8 };
+pub const PATIENT: Ending = Ending { iterations: 100, tolerance: 1e-8 };
+/// Step of the forward differences.
+const DIFFERENCE: f64 = 1e-6;
 /// Damping beyond which no step helps any more.
 const DAMPING_LIMIT: f64 = 1e12;
 
 /// Minimises the sum of squares of `residuals`, calling `report` with the number of each iteration.
 ///
 /// # Errors
-/// What `residuals` returns, and [`Error::NoSolution`] where the search has not converged.
-pub(crate) fn minimise(
+/// What `residuals` returns, and [`NoSolution`] where the search has not converged.
+pub fn minimise<E: From<NoSolution>>(
     unknowns: &[Unknown],
     ending: Ending,
-    mut residuals: impl FnMut(&[f64]) -> Result<Vec<f64>, Error>,
+    mut residuals: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     mut report: impl FnMut(usize),
-) -> Result<Minimum, Error> {
+) -> Result<Minimum, E> {
     let mut at: Vec<f64> = unknowns.iter().map(|u| u.start.clamp(u.lower, u.upper)).collect();
     let mut residual = DVector::from_vec(residuals(&at)?);
     let mut damping = 1e-3;
@@ -87,15 +89,15 @@ pub(crate) fn minimise(
             return Ok(Minimum { parameters: at, variance, partner });
         }
     }
-    Err(Error::no_solution("the search has not converged"))
+    Err(NoSolution("the search has not converged").into())
 }
 
-fn jacobian(
+fn jacobian<E>(
     unknowns: &[Unknown],
     at: &[f64],
     residual: &DVector<f64>,
-    residuals: &mut impl FnMut(&[f64]) -> Result<Vec<f64>, Error>,
-) -> Result<DMatrix<f64>, Error> {
+    residuals: &mut impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
+) -> Result<DMatrix<f64>, E> {
     let mut jacobian = DMatrix::zeros(residual.len(), at.len());
     for (j, unknown) in unknowns.iter().enumerate() {
         let mut shifted = at.to_vec();
@@ -131,17 +133,27 @@ fn step(
     damping: f64,
 ) -> Option<Vec<f64>> {
     let columns = jacobian.select_columns(free);
-    let mut normal = columns.tr_mul(&columns);
-    for k in 0..free.len() {
-        normal[(k, k)] *= 1.0 + damping;
-    }
-    let right = DVector::from_fn(free.len(), |k, _| -gradient[free[k]]);
-    let delta = normal.cholesky()?.solve(&right);
+    let own = DVector::from_fn(free.len(), |k, _| gradient[free[k]]);
+    let delta = damped_step(columns.tr_mul(&columns), &own, damping)?;
     let mut next = at.to_vec();
     for (k, &j) in free.iter().enumerate() {
         next[j] = (at[j] + delta[k]).clamp(unknowns[j].lower, unknowns[j].upper);
     }
     Some(next)
+}
+
+/// −(N + λ diag N)⁻¹ g, for the normal matrix N = JᵀJ, the gradient g = Jᵀr and the damping λ; `None` where the damped
+/// matrix is not positive definite.
+#[must_use]
+pub fn damped_step(
+    mut normal: DMatrix<f64>,
+    gradient: &DVector<f64>,
+    damping: f64,
+) -> Option<DVector<f64>> {
+    for k in 0..normal.nrows() {
+        normal[(k, k)] *= 1.0 + damping;
+    }
+    Some(-normal.cholesky()?.solve(gradient))
 }
 
 #[cfg(test)]
@@ -154,7 +166,7 @@ mod tests {
 
     #[test]
     fn finds_the_minimum_of_rosenbrocks_valley() {
-        let valley = |p: &[f64]| Ok(vec![10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0]]);
+        let valley = |p: &[f64]| Ok::<_, NoSolution>(vec![10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0]]);
         let minimum =
             minimise(&[free(-1.2), free(1.0)], PATIENT, valley, |_| {}).expect("converges");
         assert!(minimum.parameters.iter().all(|p| (p - 1.0).abs() < 1e-6), "{minimum:?}");
@@ -162,7 +174,7 @@ mod tests {
 
     #[test]
     fn stops_at_a_bound_and_gives_no_variance_there() {
-        let line = |p: &[f64]| Ok(vec![p[0] - 3.0, p[1] + 1.0]);
+        let line = |p: &[f64]| Ok::<_, NoSolution>(vec![p[0] - 3.0, p[1] + 1.0]);
         let bounded = Unknown { start: 0.0, lower: -1.0, upper: 2.0 };
         let minimum = minimise(&[bounded, free(0.5)], PATIENT, line, |_| {}).expect("converges");
         assert_eq!(minimum.parameters[0], 2.0);
@@ -172,7 +184,7 @@ mod tests {
 
     #[test]
     fn an_error_of_the_model_ends_the_search() {
-        let fails = |_: &[f64]| Err(Error::no_solution("as told"));
+        let fails = |_: &[f64]| Err(NoSolution("as stated"));
         assert!(minimise(&[free(0.0)], PATIENT, fails, |_| {}).is_err());
     }
 }
