@@ -8,24 +8,16 @@ use identify::frequency::{
     fit_with_delay, measure,
 };
 use nalgebra::DMatrix;
+use numerics::random::SplitMix64;
 
 const PERIOD: f64 = 1e-3;
 const COUNT: usize = 8192;
 
-/// Uniform on [0, 1), the same on every machine.
-fn uniform(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// One period of a multisine of rms 1 with random phases at these lines.
 fn multisine(lines: impl Iterator<Item = usize>, seed: u64) -> Vec<f64> {
-    let mut random = uniform(seed);
-    let lines: Vec<(usize, f64)> = lines.map(|k| (k, core::f64::consts::TAU * random())).collect();
+    let mut random = SplitMix64::new(seed);
+    let lines: Vec<(usize, f64)> =
+        lines.map(|k| (k, core::f64::consts::TAU * random.uniform())).collect();
     let scale = (2.0 / lines.len() as f64).sqrt();
     (0..COUNT)
         .map(|n| {
@@ -60,7 +52,7 @@ fn machine() -> Rational {
 }
 
 fn experiments(machine: &Rational, noise: f64) -> Vec<Experiment> {
-    let mut random = uniform(7);
+    let mut random = SplitMix64::new(7);
     (0..2)
         .map(|e| {
             // The second input turned over in the second experiment: the two are orthogonal at every line.
@@ -72,7 +64,7 @@ fn experiments(machine: &Rational, noise: f64) -> Vec<Experiment> {
             outputs
                 .iter_mut()
                 .flatten()
-                .for_each(|y| *y += noise * 12_f64.sqrt() * (random() - 0.5));
+                .for_each(|y| *y += noise * 12_f64.sqrt() * (random.uniform() - 0.5));
             Experiment { name: format!("experiment {e}"), inputs, outputs }
         })
         .collect()
@@ -171,12 +163,12 @@ fn a_swept_sine_gives_the_response_without_periods() {
 #[test]
 fn a_sine_that_does_not_close_has_no_response_beside_its_line() {
     let omega = core::f64::consts::TAU * 7.3;
-    let (keep, mut y, mut random) = (0.9, 0.0, uniform(5));
+    let (keep, mut y, mut random) = (0.9, 0.0, SplitMix64::new(5));
     let input: Vec<f64> =
         (0..6000).map(|n| 5.0 - 5.0 * (omega * n as f64 * PERIOD).cos()).collect();
     let output = input.iter().map(|u| {
         y = keep * y + (1.0 - keep) * u;
-        y + 1e-3 * (random() - 0.5)
+        y + 1e-3 * (random.uniform() - 0.5)
     });
     let output = output.collect();
     let record = Experiment { name: "sine".into(), inputs: vec![input], outputs: vec![output] };

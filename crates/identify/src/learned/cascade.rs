@@ -306,6 +306,8 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
+    use components::hysteresis::play::Plays;
+
     use super::super::{Recipe, Teaches, rms_difference};
     use super::*;
 
@@ -313,14 +315,11 @@ mod tests {
 
     /// Plays, a bend behind them, then creep of two times and a lag of 40 Hz.
     fn machine(u: &[f64]) -> Vec<f64> {
-        let mut play = [0.0_f64; 3];
+        let (plays, mut state) = (Plays { r: &[0.5, 1.0, 2.0], w: &[0.1; 3] }, [0.0; 3]);
         let bent: Vec<f64> = u
             .iter()
             .map(|u| {
-                for (p, r) in play.iter_mut().zip([0.5, 1.0, 2.0]) {
-                    *p = (u - r).max((u + r).min(*p));
-                }
-                let x = u + 0.1 * play.iter().sum::<f64>();
+                let x = u + plays.step(*u, &mut state);
                 x + 0.3 * (x - 4.0).max(0.0)
             })
             .collect();

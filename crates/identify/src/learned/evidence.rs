@@ -118,6 +118,7 @@ fn evidence(samples: &Samples, group: &dyn Fn(usize) -> usize, p: &[f64]) -> Opt
 
 #[cfg(test)]
 mod tests {
+    use components::hysteresis::play::Plays;
     use learned::features::{Features, Stops};
 
     use super::super::{Machine, Recipe, Span};
@@ -128,15 +129,8 @@ mod tests {
         // Plays behind a curved gain; the test reverses where no record of the training did.
         let features = Stops::new(8, 9.0, 1e-2);
         let truth = |u: &[f64]| -> Vec<f64> {
-            let mut play = [0.0_f64; 3];
-            u.iter()
-                .map(|u| {
-                    for (p, r) in play.iter_mut().zip([1.0, 2.0, 3.0]) {
-                        *p = (u - r).max((u + r).min(*p));
-                    }
-                    u + 0.02 * u * u + 0.1 * play.iter().sum::<f64>()
-                })
-                .collect()
+            let (plays, mut state) = (Plays { r: &[1.0, 2.0, 3.0], w: &[0.1; 3] }, [0.0; 3]);
+            u.iter().map(|u| u + 0.02 * u * u + plays.step(*u, &mut state)).collect()
         };
         let wave = |top: f64| -> Vec<f64> {
             (0..240).map(|k| 0.5 * top * (1.0 - (0.08 * f64::from(k)).cos())).collect()

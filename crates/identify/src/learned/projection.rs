@@ -195,6 +195,7 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
+    use components::hysteresis::play::Plays;
     use learned::features::Stops;
 
     use super::super::{Recipe, Span};
@@ -211,13 +212,10 @@ mod tests {
 
     /// Plays, and what a curve behind or beside them makes of the command.
     fn machine(u: &[f64], curve: impl Fn(f64) -> f64, behind: bool) -> Vec<f64> {
-        let mut play = [0.0_f64; 3];
+        let (plays, mut state) = (Plays { r: &[0.5, 1.0, 2.0], w: &[0.1; 3] }, [0.0; 3]);
         u.iter()
             .map(|u| {
-                for (p, r) in play.iter_mut().zip([0.5, 1.0, 2.0]) {
-                    *p = (u - r).max((u + r).min(*p));
-                }
-                let loops = 0.1 * play.iter().sum::<f64>();
+                let loops = plays.step(*u, &mut state);
                 if behind { curve(u + loops) } else { curve(*u) + loops }
             })
             .collect()

@@ -275,21 +275,18 @@ impl Machine {
 #[cfg(test)]
 mod tests {
     use learned::features::Narx;
+    use numerics::random::SplitMix64;
 
     use super::super::{Recipe, Span};
     use super::*;
 
     /// A lag with noise in its reading: one step ahead, to copy the last reading is nearly the best.
-    fn record(seed: u32) -> (Vec<f64>, Vec<f64>) {
-        let (mut x, mut state) = (0.0_f64, seed);
-        let mut random = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state) / f64::from(u32::MAX) - 0.5
-        };
+    fn record(seed: u64) -> (Vec<f64>, Vec<f64>) {
+        let (mut x, mut random) = (0.0_f64, SplitMix64::new(seed));
         let u: Vec<f64> = (0..400).map(|k| 0.5 - 0.5 * (0.09 * f64::from(k)).cos()).collect();
         let y = u.iter().map(|u| {
             x += 0.2 * (u - x);
-            x + 0.01 * random()
+            x + 0.01 * (random.uniform() - 0.5)
         });
         let y = y.collect();
         (u, y)

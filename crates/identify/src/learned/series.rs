@@ -195,6 +195,7 @@ pub(super) fn before(linear: &Arx, run: &Run<'_>, h: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use components::hysteresis::play::Plays;
     use learned::features::{Features, Stops};
 
     use super::super::{Recipe, Span};
@@ -203,13 +204,8 @@ mod tests {
     #[test]
     fn a_play_behind_a_lag_is_told_from_the_lag() {
         let play = |u: &[f64]| -> Vec<f64> {
-            let mut p = 0.0_f64;
-            u.iter()
-                .map(|u| {
-                    p = (u - 1.0).max((u + 1.0).min(p));
-                    u + 0.5 * p
-                })
-                .collect()
+            let (play, mut state) = (Plays { r: &[1.0], w: &[0.5] }, [0.0]);
+            u.iter().map(|u| u + play.step(*u, &mut state)).collect()
         };
         let lag = Arx { b: vec![0.3], a: vec![-0.7] };
         let wave = |top: f64, step: f64| -> Vec<f64> {

@@ -77,6 +77,7 @@ impl Series {
 
 #[cfg(test)]
 mod tests {
+    use components::hysteresis::play::Plays;
     use learned::features::{Features, Stops};
 
     use super::super::{Arx, Recipe, Span, Teaches, rms_difference, weigh};
@@ -87,15 +88,8 @@ mod tests {
         // Plays behind a resonance; one chirp teaches, with the rate as an input that could take the mode's place.
         let mode = Arx { b: vec![0.04, 0.04], a: vec![-1.82, 0.90] };
         let plays = |u: &[f64]| -> Vec<f64> {
-            let mut play = [0.0_f64; 4];
-            u.iter()
-                .map(|u| {
-                    for (p, r) in play.iter_mut().zip([0.2, 0.5, 1.0, 2.0]) {
-                        *p = (u - r).max((u + r).min(*p));
-                    }
-                    u + 0.1 * play.iter().sum::<f64>()
-                })
-                .collect()
+            let (plays, mut state) = (Plays { r: &[0.2, 0.5, 1.0, 2.0], w: &[0.1; 4] }, [0.0; 4]);
+            u.iter().map(|u| u + plays.step(*u, &mut state)).collect()
         };
         let truth = |u: &[f64]| mode.simulate(&plays(u), 0.0);
         let chirp: Vec<f64> = (0..900)

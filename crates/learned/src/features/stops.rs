@@ -99,6 +99,8 @@ impl Stops {
 
 #[cfg(test)]
 mod tests {
+    use components::hysteresis::play::play;
+
     use super::super::Features;
     use super::*;
 
@@ -108,10 +110,10 @@ mod tests {
         let u: Vec<f64> = (0..60).map(|k| 2.0 + 2.0 * libm::sin(0.4 * f64::from(k))).collect();
         let all = Features::Stops(stops.clone()).of_record(&u, &u);
         for (i, r) in [1.0, 2.0, 3.0].into_iter().enumerate() {
-            let mut play = u[0] - u[0].clamp(-r, r);
+            let mut p = u[0] - u[0].clamp(-r, r);
             for (k, u) in u.iter().enumerate() {
-                play = (u - r).max((u + r).min(play));
-                assert!((all[5 * k + i] - (u - play) / 4.0).abs() < 1e-12);
+                p = play(*u, r, p);
+                assert!((all[5 * k + i] - (u - p) / 4.0).abs() < 1e-12);
             }
         }
         for k in 1..u.len() {

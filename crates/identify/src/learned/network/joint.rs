@@ -9,6 +9,7 @@
 //! by Levenberg–Marquardt. Weights that are 0 and would fall further stay. The bend's column is a difference of two
 //! simulations. Every sum is that of the component's own code.
 
+use components::hysteresis::play::play;
 use learned::plays::{INPUTS, unit, unit_slope};
 use nalgebra::{DMatrix, DVector};
 use numerics::levenberg_marquardt::damped_step;
@@ -235,12 +236,12 @@ impl Joint<'_> {
         let parts: Vec<f64> = plays.time_constant.iter().map(part).collect();
         for (i, (r, w)) in plays.r.iter().zip(&plays.w).enumerate() {
             let mut rows = slopes.iter().zip(from..).peekable();
-            let mut play = 0.0_f64;
+            let mut p = 0.0_f64;
             let mut crept = vec![0.0; parts.len()];
             for (k, b) in input.iter().enumerate() {
-                play = play.clamp(b - r, b + r);
+                p = play(*b, *r, p);
                 for (z, part) in crept.iter_mut().zip(&parts) {
-                    *z += if k == 0 { play - *z } else { part * (play - *z) };
+                    *z += if k == 0 { p - *z } else { part * (p - *z) };
                 }
                 let Some(((_, complete, slope), row)) = rows.next_if(|((at, ..), _)| *at == k)
                 else {
@@ -248,8 +249,8 @@ impl Joint<'_> {
                 };
                 let late: f64 = crept.iter().sum();
                 let given = slope[FIRST_CREEP..].iter().zip(&crept);
-                let left: f64 = given.map(|(slope, z)| slope * (play - z)).sum();
-                jacobian[(row, OTHERS + i)] = (complete * (play + share * late) + left) / half;
+                let left: f64 = given.map(|(slope, z)| slope * (p - z)).sum();
+                jacobian[(row, OTHERS + i)] = (complete * (p + share * late) + left) / half;
                 jacobian[(row, 3)] += complete * w * late / half;
             }
         }
