@@ -42,7 +42,7 @@ pub struct Beginning {
     pub run_in: f64,
 }
 
-/// How each record begins, as its first rows tell. Where the caller said a rest, that one is kept; `settings.drop`
+/// How each record begins, as its first rows show. Where the caller gave a rest, that one is kept; `settings.drop`
 /// does not matter.
 ///
 /// # Errors
@@ -185,7 +185,7 @@ mod tests {
     fn the_command_that_a_machine_rested_under_is_found() {
         assert_eq!(found(record(0.0, 0.0)).rest, 0.0);
         assert_eq!(found(record(50.0, 0.0)).rest, 50.0);
-        // What the caller says is kept.
+        // What the caller gave is kept.
         assert_eq!(found(record(0.0, 0.0).rested_at(50.0)).rest, 50.0);
     }
 

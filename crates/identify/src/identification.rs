@@ -46,7 +46,7 @@ pub struct RecordFit {
     pub held_out: Figures,
     /// The best straight line without delay on the rows fitted on.
     pub baseline_fitted: Figures,
-    /// As `baseline_fitted`, on the rows held out.
+    /// The best straight line without delay on the rows held out.
     pub baseline_held_out: Figures,
     /// Simulated position of every row, without offset.
     #[serde(skip)]
@@ -54,7 +54,7 @@ pub struct RecordFit {
     /// Measured less simulated position of every row, less the offset of the rows held out.
     #[serde(skip)]
     pub residual: Vec<f64>,
-    /// As `residual`, for the straight line.
+    /// Measured position of every row less that of the straight line, less its offset of the rows held out.
     #[serde(skip)]
     pub baseline_residual: Vec<f64>,
 }
@@ -69,9 +69,9 @@ pub struct Candidate {
     /// Root mean square error of the simulation over all rows held out, an offset per record taken
     /// out; `None` where the fit failed.
     pub held_out_rmse: Option<f64>,
-    /// As `held_out_rmse`, in parts of the range of the rows held out, the largest of all records.
+    /// Error on the rows held out in parts of their range, the largest of all records.
     pub held_out_nrmse: Option<f64>,
-    /// As `held_out_nrmse`, on the rows fitted on.
+    /// Error on the rows fitted on in parts of their range, the largest of all records.
     pub fitted_nrmse: Option<f64>,
     /// Numbers that were fitted.
     pub parameters: usize,

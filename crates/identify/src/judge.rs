@@ -1,6 +1,6 @@
 //! The fit of a plant to a record, in simulation mode: the plant is built from its blueprint, starts
 //! at rest under the record's first input
-//! (or the one it rested under before) and is never told the measured output.
+//! (or the one it rested under before) and never sees the measured output.
 
 use data::CheckedBlueprint;
 use serde::Serialize;

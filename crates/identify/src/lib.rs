@@ -1,13 +1,13 @@
 //! From a measured log to a blueprint.
 //!
-//! * [`Record`]: what one axis was told and what it did, checked; [`records_of`] takes them from a log.
+//! * [`Record`]: the command of one axis and its position, checked; [`records_of`] takes them from a log.
 //! * [`identify`]: records → plant. The static Prandtl–Ishlinskii model by non-negative least squares
 //!   with an output-error fit for the linear parts, and every other hysteresis model of [`methods`]. The [`Identification`] carries the plant's blueprint
 //!   and the evidence: figures in simulation mode on rows that were held out, the straight line they
 //!   compare with, and what the data say about each parameter.
 //! * [`simulate`] and [`compare`]: the fit of any plant to any record.
 //!
-//! Nothing prints; an [`Observer`] is told how far long work is.
+//! Nothing prints; an [`Observer`] receives the progress of long work.
 
 mod beginning;
 pub mod calibration;

@@ -1,6 +1,6 @@
-//! How long work says how far it is. Nothing here prints.
+//! How long work reports its progress. Nothing here prints.
 
-/// What a method tells while it works. Every call has a default that does nothing.
+/// What a method reports while it works. Every call has a default that does nothing.
 pub trait Observer {
     /// `done` of `total` units of `stage` are done; `total` is the most that there can be.
     fn progress(&mut self, stage: &'static str, done: usize, total: usize) {

@@ -1,4 +1,4 @@
-//! One record: what one axis was told and what it did, sampled uniformly.
+//! One record: the command of one axis and its position, sampled uniformly.
 
 use std::path::Path;
 
@@ -109,7 +109,7 @@ impl Record {
         self.rest.or(self.input.first().copied()).unwrap_or(0.0)
     }
 
-    /// That command where [`Record::rested_at`] said it.
+    /// That command where [`Record::rested_at`] set it.
     #[must_use]
     pub fn given_rest(&self) -> Option<f64> {
         self.rest

@@ -45,13 +45,13 @@ pub struct Learning {
     pub selection: Option<(Selection, Seek)>,
     /// Support vectors that pruning leaves; none: the fewest centres on which a projection errs hardly more.
     pub prune: Option<usize>,
-    /// What a machine is told.
+    /// The inputs of a machine.
     pub features: FeatureChoice,
     /// Whether the plant of a process has the standard deviation that it predicts as an output.
     pub deviation: bool,
 }
 
-/// What a learned machine is told.
+/// The inputs of a learned machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FeatureChoice {
     /// What its family takes by itself.

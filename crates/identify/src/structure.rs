@@ -45,7 +45,7 @@ pub(crate) fn describe(method: &str, chain: &Chain, linear: &LinearPart) -> Stri
     all.join(", ")
 }
 
-/// A log whose output falls where its input rises is told apart from one that cannot be fitted.
+/// A log whose output falls where its input rises is kept apart from one that cannot be fitted.
 pub(crate) fn check_sign(records: &[Record], plan: &Plan) -> Result<(), Error> {
     for (record, rows) in records.iter().zip(&plan.fitted) {
         let input = rows.of(record.input());

@@ -102,7 +102,7 @@ fn two_modes_of_a_machine_with_two_inputs_are_found_with_their_delay() {
 }
 
 #[test]
-fn noise_is_told_from_distortion() {
+fn noise_is_separated_from_distortion() {
     const NOISE: f64 = 0.02;
     let measured = measure(&experiments(&machine(), NOISE), &MeasureSettings::new(PERIOD)).unwrap();
     // Amplitude of a line of the mean of four periods.

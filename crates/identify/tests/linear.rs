@@ -20,7 +20,7 @@ fn record(components: &[ComponentBlueprint], (rows, period): (usize, f64), noise
     record_under(components, input, period, noise)
 }
 
-/// As `record`, under this command.
+/// A record of a machine with these components under this command.
 fn record_under(
     components: &[ComponentBlueprint],
     input: Vec<f64>,

@@ -105,7 +105,7 @@ fn the_swarm_s_answer_depends_on_the_seed_and_not_on_the_threads() {
 }
 
 #[test]
-fn growth_with_the_rate_is_found_and_absent_rate_is_told() {
+fn growth_with_the_rate_is_found_and_absent_rate_is_reported() {
     let r = [5.0, 10.0, 15.0, 20.0];
     let play = |rate: f64| {
         ComponentBlueprint::new("rate-dependent-play")

@@ -218,7 +218,7 @@ fn plays_beyond_the_range_of_the_record_are_named_as_not_excited() {
 }
 
 #[test]
-fn lag_and_mode_are_found_together_and_the_plant_does_what_the_fit_says() {
+fn lag_and_mode_are_found_together_and_the_plant_agrees_with_the_fit() {
     let truth = truth(5e-5, Some(6e-5), [lag(900.0), mode(482.6, 0.05)]);
     let record = log(&truth, 5e-5, &multisine(16_000, 5e-5, 51), 0.001, 51);
     let found = identified(record, &Settings { drop: 0.02, ..with_thresholds() });

@@ -184,14 +184,14 @@ fn run(job: &str, x: &[f64], samples: &Samples) -> Result<String, Failure> {
             let (signal, noise, lengths) = (x[0], x[1], vec![x[2]]);
             let gp = GaussianProcess::train(samples, &Hyperparameters { signal, noise, lengths })?;
             let small = gp.compressor(x[3] as usize).to(x[3] as usize);
-            let (f, complete) = (small.kernel_sum(), gp.kernel_sum());
+            let (f, full) = (small.kernel_sum(), gp.kernel_sum());
             let (scales, mut room) = (gp.scales(), vec![0.0; samples.dimension()]);
             let scaled = |i: usize| -> Vec<f64> {
                 samples.input(i).iter().zip(&scales).map(|(x, s)| x * s).collect()
             };
             let worst = all.iter().map(|i| {
                 let a = f.value(&scaled(*i), &mut room);
-                (a - complete.value(samples.input(*i), &mut room)).abs()
+                (a - full.value(samples.input(*i), &mut room)).abs()
             });
             let worst = worst.fold(0.0, f64::max);
             let (mut z, mut sum) = (scaled(0), 0.0);

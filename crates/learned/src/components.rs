@@ -458,8 +458,8 @@ mod tests {
         // Up to 0.9 the stop ends at 0.5, down to 0.7 at 0.3.
         for (index, u, stop) in [(1, 0.9, 0.5), (2, 0.7, 0.3_f64)] {
             let x: f64 = (u - 0.4 * stop - 0.3) / 0.5;
-            let wanted = 0.1 + 2.0 * (-x * x).exp();
-            assert!((at(index, u) - wanted).abs() < 1e-5, "{u}");
+            let expected = 0.1 + 2.0 * (-x * x).exp();
+            assert!((at(index, u) - expected).abs() < 1e-5, "{u}");
         }
         let short = Table::new(4, rows[..8].to_vec()).unwrap();
         let text = declarations::LSSVM_STOPS.with_table(&structure, &short).err().unwrap();
@@ -467,7 +467,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_told_with_the_numbers() {
+    fn what_does_not_fit_is_reported_with_the_numbers() {
         let family = &declarations::LSSVM_NARX;
         let text = family.with_table(&[5e-3, 2.0, 1.0], &table()).err().unwrap();
         assert!(text.contains("4 inputs") && text.contains("3 rows of 4"), "{text}");
@@ -484,7 +484,7 @@ mod tests {
     }
 
     #[test]
-    fn kinds_are_unique_in_the_whole_list() {
+    fn kinds_are_unique_in_the_complete_list() {
         for (at, c) in COMPONENTS.iter().enumerate() {
             let kind = c.declaration().kind;
             assert!(COMPONENTS[..at].iter().all(|other| other.declaration().kind != kind));

@@ -110,7 +110,7 @@ impl Features {
         self.continue_from(f, u, &mut memory, limit)
     }
 
-    /// As `simulate`, from a given memory.
+    /// The model's own response to `u` from this memory on, which is moved along.
     pub fn continue_from(
         &self,
         f: &KernelSum,

@@ -162,9 +162,9 @@ mod tests {
                     (0..d).map(|k| ((centres[i * d + k] - z[k]) / sigma[k]).powi(2)).sum::<f64>();
                 weights[i] * libm::exp(-squares)
             };
-            let wanted = 0.25 + (0..n).map(kernel).sum::<f64>();
+            let expected = 0.25 + (0..n).map(kernel).sum::<f64>();
             let value = sum.value(&z, &mut vec![0.0; d]);
-            assert!((value - wanted).abs() < 1e-12, "{n} × {d}: {value} {wanted}");
+            assert!((value - expected).abs() < 1e-12, "{n} × {d}: {value} {expected}");
             assert_eq!((sum.count(), sum.dimension()), (n, d));
         }
     }

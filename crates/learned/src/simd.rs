@@ -43,11 +43,11 @@ const TAYLOR: [f64; 14] = [
 #[inline(always)]
 pub(crate) fn exp4<S: Simd>(s: S, x: [S::f64s; 4]) -> [S::f64s; 4] {
     let all = |value: f64| s.splat_f64s(value);
-    let (mut complete, mut rest, mut p) = (x, x, [all(TAYLOR[0]); 4]);
+    let (mut rounded, mut rest, mut p) = (x, x, [all(TAYLOR[0]); 4]);
     for i in 0..4 {
         let x = s.max_f64s(x[i], all(-708.0));
-        complete[i] = s.mul_add_e_f64s(x, all(core::f64::consts::LOG2_E), all(ROUNDER));
-        let n = s.sub_f64s(complete[i], all(ROUNDER));
+        rounded[i] = s.mul_add_e_f64s(x, all(core::f64::consts::LOG2_E), all(ROUNDER));
+        let n = s.sub_f64s(rounded[i], all(ROUNDER));
         rest[i] = s.mul_add_e_f64s(n, all(-LN2_HIGH), x);
         rest[i] = s.mul_add_e_f64s(n, all(-LN2_LOW), rest[i]);
     }
@@ -58,7 +58,7 @@ pub(crate) fn exp4<S: Simd>(s: S, x: [S::f64s; 4]) -> [S::f64s; 4] {
     }
     for i in 0..4 {
         // The whole number into the exponent.
-        let n = s.mul_u64s(s.transmute_u64s_f64s(complete[i]), s.splat_u64s(1 << 52));
+        let n = s.mul_u64s(s.transmute_u64s_f64s(rounded[i]), s.splat_u64s(1 << 52));
         p[i] = s.transmute_f64s_u64s(s.add_u64s(n, s.transmute_u64s_f64s(p[i])));
     }
     p
@@ -88,8 +88,8 @@ pub(crate) fn distance4<S: Simd>(s: S, rows: &[Block], z: &[f64], h: usize) -> [
     sum
 }
 
-/// As `distance4`, for two groups at once, from group `h` on: eight sums that do not wait for each other, and each row
-/// is read from end to end.
+/// Squared distances of the points from `z`, two groups at once from group `h` on: eight sums that do not wait for
+/// each other, and each row is read from end to end.
 #[inline(always)]
 pub(crate) fn distance8<S: Simd>(s: S, rows: &[Block], z: &[f64], h: usize) -> [[S::f64s; 4]; 2] {
     let mut sum = [[s.splat_f64s(0.0); 4]; 2];

@@ -125,8 +125,8 @@ fn the_command_of_a_controller_with_limits_is_never_beyond_its_bounds() {
         ["reference[1]", "measured[1]", "axis[1].pid.output_max", "command[1]"]
             .map(|name| variable(&controller, name).0);
     let refused = controller.set(high, 120.5).expect_err("beyond the commands");
-    let wanted = SetError::OutOfRange { reference: high, value: 120.5, min: -20.0, max: 120.0 };
-    assert_eq!(refused, wanted);
+    let expected = SetError::OutOfRange { reference: high, value: 120.5, min: -20.0, max: 120.0 };
+    assert_eq!(refused, expected);
     controller.initialise(0.0).expect("it rests");
     let mut reached = 0;
     for (k, limit) in [100.0, 120.0, 60.0].into_iter().cycle().take(30).enumerate() {

@@ -79,7 +79,7 @@ fn is_the_chain_of_its_parts_and_a_network_over_their_states() {
 
 /// Blueprints that do not name the activation.
 #[test]
-fn is_the_same_with_tanh_where_nothing_else_is_said() {
+fn tanh_is_the_activation_where_none_is_given() {
     let declared = LearnedPlays.declaration().structure;
     let activation = declared.iter().find(|setting| setting.name == "activation").unwrap();
     is_the_chain(activation.start.unwrap(), f64::tanh);
@@ -124,8 +124,8 @@ fn is_the_chain(activation: f64, sigma: impl Fn(f64) -> f64) {
             let inside = weights.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
             p[14 + n] * sigma(p[16 + n] + inside)
         };
-        let wanted = v + 10.0 * ((-0.05 + 0.02 * eta) * eta * eta + unit(0) + unit(1));
-        assert!((y - wanted).abs() < 1e-11, "{k}: {y} {wanted}");
+        let expected = v + 10.0 * ((-0.05 + 0.02 * eta) * eta * eta + unit(0) + unit(1));
+        assert!((y - expected).abs() < 1e-11, "{k}: {y} {expected}");
     }
 }
 
@@ -163,12 +163,12 @@ fn the_inverse_before_the_machine_gives_the_wanted_position() {
     let limited = [&p[..], &[0.0, 100.0]].concat();
     let mut inverse = Instance::new(inverse_plays(), &limited).unwrap();
     let mut machine = Instance::new(&LearnedPlays, &p).unwrap();
-    let wanted = |k: usize| 9.0 + 5.0 * (0.02 * k as f64).sin() * (0.0031 * k as f64).cos();
-    let first = machine.rest(inverse.rest(wanted(0)));
-    assert!((first - wanted(0)).abs() < 1e-8, "{first}");
+    let expected = |k: usize| 9.0 + 5.0 * (0.02 * k as f64).sin() * (0.0031 * k as f64).cos();
+    let first = machine.rest(inverse.rest(expected(0)));
+    assert!((first - expected(0)).abs() < 1e-8, "{first}");
     for k in 1..3000 {
-        let found = machine.step(inverse.step(wanted(k)));
-        assert!((found - wanted(k)).abs() < 1e-8, "{k}: {found} {}", wanted(k));
+        let found = machine.step(inverse.step(expected(k)));
+        assert!((found - expected(k)).abs() < 1e-8, "{k}: {found} {}", expected(k));
     }
     // What no command reaches gives the nearest limit.
     assert_eq!([inverse.step(1e6), inverse.step(-1e6)], [100.0, 0.0]);
@@ -248,8 +248,8 @@ fn groups_that_are_filled_up_to_fours_add_nothing() {
                 let inside = weights.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
                 network[n] * unit(network[units + n] + inside)
             });
-            let wanted = v + 10.0 * ((-0.05 + 0.02 * x[1]) * x[1] * x[1] + added.sum::<f64>());
-            assert!((y - wanted).abs() < 1e-11, "{plays} plays, {k}: {y} {wanted}");
+            let expected = v + 10.0 * ((-0.05 + 0.02 * x[1]) * x[1] * x[1] + added.sum::<f64>());
+            assert!((y - expected).abs() < 1e-11, "{plays} plays, {k}: {y} {expected}");
         }
     }
 }

@@ -46,7 +46,7 @@ impl Fft {
     /// conjugates of those below.
     ///
     /// # Panics
-    /// As [`process`](Self::process).
+    /// If the length of `signal` is no multiple of [`len`](Self::len).
     pub fn of_real(&self, signal: &[f64]) -> Vec<Complex> {
         let mut lines: Vec<Complex> = signal.iter().map(|x| Complex::new(*x, 0.0)).collect();
         self.process(&mut lines);

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_of_rows_give_the_solution_of_the_whole() {
+    fn blocks_of_rows_give_the_solution_of_all_rows() {
         let truth = [1.0, 0.5, 2.0, 3.0];
         let (reduced, a, b) = system(1, 3 * BLOCK + 7, &truth, 0.1);
         let solution = reduced.solve(0).expect("solvable");
@@ -298,9 +298,9 @@ mod tests {
                 let solution = reduced.solve(0);
                 let solution =
                     solution.unwrap_or_else(|e| panic!("seed {seed}, noise {noise}: {e:?}"));
-                for (found, wanted) in solution.x.iter().zip(&truth) {
-                    let error = (found - wanted).abs();
-                    assert!(error < 1e-9 + noise, "seed {seed}, noise {noise}: {found} {wanted}");
+                for (found, expected) in solution.x.iter().zip(&truth) {
+                    let error = (found - expected).abs();
+                    assert!(error < 1e-9 + noise, "seed {seed}, noise {noise}: {found} {expected}");
                 }
             }
         }

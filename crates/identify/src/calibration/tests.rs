@@ -33,7 +33,7 @@ fn the_truth_lies_in_19_of_20_intervals() {
 }
 
 #[test]
-fn residuals_that_hang_together_widen_the_intervals() {
+fn correlated_residuals_widen_the_intervals() {
     let (mut random, mut noise) = (SplitMix64::new(3), 0.0);
     let coloured: Vec<f64> = (0..4000)
         .map(|_| {
@@ -49,7 +49,7 @@ fn residuals_that_hang_together_widen_the_intervals() {
 }
 
 #[test]
-fn what_the_residuals_do_not_tell_is_named() {
+fn what_the_residuals_do_not_determine_is_named() {
     // Only the product of the first two acts, and the last not at all.
     let measured = decay(&[6.0, 1.5, 1.0]);
     let residuals = |p: &[f64]| {
@@ -65,7 +65,7 @@ fn what_the_residuals_do_not_tell_is_named() {
 }
 
 #[test]
-fn a_bound_holds_and_a_model_without_answer_is_gone_round() {
+fn a_bound_holds_and_a_model_without_answer_is_avoided() {
     let measured = decay(&[2.0, 1.5, 0.5]);
     let residuals = |p: &[f64]| {
         let answers = p[1] < 3.0;

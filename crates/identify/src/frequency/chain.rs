@@ -36,7 +36,7 @@ pub struct Chain {
     pub length: f64,
 }
 
-/// Lags beside the others.
+/// Most lags of a chain.
 const MOST_LAGS: usize = 2;
 /// Longest delay, over the period of the highest line.
 const LONGEST: f64 = 20.0;

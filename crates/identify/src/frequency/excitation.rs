@@ -62,7 +62,7 @@ impl Experiment {
         Ok(())
     }
 
-    /// As `check`, with `count` samples from `first` on.
+    /// The `count` samples from `first` on.
     #[must_use]
     pub fn part(&self, first: usize, count: usize) -> Self {
         let cut = |signals: &[Vec<f64>]| -> Vec<Vec<f64>> {

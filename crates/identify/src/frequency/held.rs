@@ -103,7 +103,7 @@ pub(super) fn delay_of(delay: f64) -> Option<ComponentBlueprint> {
 /// the fit is of the response advanced by it.
 ///
 /// # Errors
-/// As [`choose`], and where no order has poles that a plant over time can have.
+/// [`Error::NoSolution`] where no order has a fit with poles that a plant over time can have.
 pub fn choose_held(
     measured: &FrequencyResponse,
     period: f64,
@@ -377,10 +377,11 @@ mod tests {
             let plant = HeldPlant::of(&model).unwrap();
             assert_eq!(plant.delay, (samples - 1.0) * 1e-3);
             for frequency in [0.0, 3.0, 64.0, 200.0, 460.0] {
-                let (own, wanted) = (response(&plant, frequency), model.response(frequency));
-                let error = (&own - &wanted).norm() / wanted.norm();
+                let (own, expected) = (response(&plant, frequency), model.response(frequency));
+                let error = (&own - &expected).norm() / expected.norm();
                 assert!(error < 1e-10, "{frequency} Hz: {error:.1e} of {model:?}");
-                let error = (plant.rational().response(frequency) - &wanted).norm() / wanted.norm();
+                let error =
+                    (plant.rational().response(frequency) - &expected).norm() / expected.norm();
                 assert!(error < 1e-10, "{frequency} Hz: {error:.1e} of {:?}", plant.rational());
             }
         }
@@ -407,7 +408,7 @@ mod tests {
         };
         let inputs: Vec<Vec<f64>> =
             (0..2).map(|j| (0..300).map(|k| signal(k, j)).collect()).collect();
-        let wanted = model.simulate(&inputs, false).unwrap();
+        let expected = model.simulate(&inputs, false).unwrap();
         system.initialise(0.0).unwrap();
         for k in 0..300 {
             if k > 0 {
@@ -419,7 +420,7 @@ mod tests {
             for (i, name) in ["position[1]", "position[2]"].iter().enumerate() {
                 // µm in the FMU, µm in the model.
                 let y = system.get(variable(name)).unwrap();
-                assert!((y - wanted[i][k]).abs() < 1e-12, "row {k}: {y} for {}", wanted[i][k]);
+                assert!((y - expected[i][k]).abs() < 1e-12, "row {k}: {y} for {}", expected[i][k]);
             }
         }
     }

@@ -54,7 +54,7 @@ impl MeasureSettings {
 const CANCELLED: f64 = 10.0;
 /// Power of a line, as a part of the greatest, from which it counts as excited.
 const EXCITED: f64 = 1e-4;
-/// As `EXCITED`, for records that are not periodic, whose lines scatter.
+/// Power from which a line of a record that is not periodic counts as excited: its lines scatter.
 const IN_BAND: f64 = 1e-2;
 /// Equations beyond the unknowns.
 const FREEDOM: usize = 8;

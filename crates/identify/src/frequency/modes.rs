@@ -284,7 +284,7 @@ pub fn fit_with_delay(
 /// of the best.
 ///
 /// # Errors
-/// As [`fit_with_delay`], where no order succeeds.
+/// [`Error::NoSolution`] where no number of pairs has a fit.
 pub fn choose(
     measured: &FrequencyResponse,
     domain: Domain,

@@ -88,6 +88,6 @@ impl FrequencyResponse {
 pub struct Distortion {
     /// Frequency, and per output the amplitude, at even lines.
     pub even: Vec<(f64, Vec<f64>)>,
-    /// As `even`, at odd lines.
+    /// Frequency, and per output the amplitude, at odd lines.
     pub odd: Vec<(f64, Vec<f64>)>,
 }

@@ -197,10 +197,10 @@ impl Session<'_> {
             dynamic: self.plan.dynamics == Dynamics::Automatic,
         };
         let file = format!("{}.npy", self.target.axis.name);
-        let Learned { chain, table, late, numbers, predicted } =
+        let Learned { chain, table, delay, numbers, predicted } =
             lesson.learn(&file, &mut *self.observer)?;
         let chain = Chain { hysteresis: chain, reading: Vec::new() };
-        let delay = late as f64 * self.plan.period;
+        let delay = delay as f64 * self.plan.period;
         let plant = Plant {
             chain: &chain,
             linear: LinearPart { delay, ..LinearPart::default() },
@@ -209,7 +209,7 @@ impl Session<'_> {
             table: Some((file, table)),
         };
         let kinds = chain.hysteresis.iter().map(|component| component.kind.as_str());
-        let structure = (late > 0).then_some("delay").into_iter().chain(kinds);
+        let structure = (delay > 0.0).then_some("delay").into_iter().chain(kinds);
         let structure = structure.collect::<Vec<_>>().join(", ");
         let mut tried = self.written(family.name(), structure, &plant)?;
         (tried.numbers, tried.predicted) = (Some(numbers), predicted);

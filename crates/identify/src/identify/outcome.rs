@@ -1,4 +1,4 @@
-//! What was tried, as it is told.
+//! What was tried, as it is reported.
 
 use super::{Session, Tried};
 use crate::identification::{Candidate, Identification, RULES, RecordFit};

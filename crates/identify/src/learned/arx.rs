@@ -45,11 +45,11 @@ impl Arx {
         Self::fit_all(&[(input, output, first)], zeros, poles)
     }
 
-    /// As `fit`, for several records of input and output, each from rest with its position before the
+    /// Fits the coefficients to several records of input and output, each from rest with its position before the
     /// first sample.
     ///
     /// # Errors
-    /// As [`fit`](Self::fit).
+    /// [`Error::NoSolution`] where the records do not determine them.
     pub fn fit_all(
         records: &[(&[f64], &[f64], f64)],
         zeros: usize,
@@ -92,8 +92,8 @@ impl Arx {
             }
             all
         };
-        let complete = |arx: &Self| [&[1.0][..], &arx.a].concat();
-        let a = product(&complete(self), &complete(other)).split_off(1);
+        let denominator = |arx: &Self| [&[1.0][..], &arx.a].concat();
+        let a = product(&denominator(self), &denominator(other)).split_off(1);
         Self { b: product(&self.b, &other.b), a }
     }
 
@@ -149,7 +149,7 @@ impl Arx {
     }
 
     /// The orders of least error in simulation on the last third of the record, among those whose fit to
-    /// the first two thirds and to the whole is stable; fitted to the whole.
+    /// the first two thirds and to all of it is stable; fitted to all of it.
     ///
     /// # Errors
     /// [`Error::NoSolution`] where no order up to `most_poles` gives a stable system.

@@ -59,8 +59,8 @@ impl Cascade {
     pub(super) fn simulate(&self, command: &[f64]) -> Vec<f64> {
         let value = |x: f64| {
             let (first, values, _) = self.knots.at(x);
-            let complete = values.iter().zip(&self.curve.as_slice()[first..]).map(|(v, c)| v * c);
-            self.frame.output.outward(complete.sum::<f64>())
+            let terms = values.iter().zip(&self.curve.as_slice()[first..]).map(|(v, c)| v * c);
+            self.frame.output.outward(terms.sum::<f64>())
         };
         self.frame.projected_command(command).into_iter().map(value).collect()
     }
@@ -121,7 +121,7 @@ impl Series {
     /// runs. `None` where the frame has no stops, or the search finds nothing.
     ///
     /// # Errors
-    /// As [`Machine::train`].
+    /// [`learned::Error`] where samples are too few or not finite, or the training has no exact solution.
     pub fn train_cascade(
         frame: &Frame,
         widths: Widths<'_>,
@@ -132,8 +132,8 @@ impl Series {
         let Some(found) = fit(frame, runs, bandwidth, period) else { return Ok(None) };
         let waves = waves(runs);
         let answers: Vec<Vec<f64>> = waves.iter().map(|u| found.simulate(u)).collect();
-        let given: Vec<Vec<f64>> = runs.iter().map(|run| given(&found, run)).collect();
-        let own = runs.iter().zip(&given).map(|(run, x)| (run.command, &x[..]));
+        let inner: Vec<Vec<f64>> = runs.iter().map(|run| before_linear(&found, run)).collect();
+        let own = runs.iter().zip(&inner).map(|(run, x)| (run.command, &x[..]));
         let theirs = waves.iter().zip(&answers).map(|(u, x)| (&u[..], &x[..]));
         let pairs: Vec<(&[f64], &[f64])> = own.chain(theirs).collect();
         let measured = rows(runs, most);
@@ -160,7 +160,7 @@ impl Series {
 
 /// What stands before the linear part for it to give these positions: by its inverse where that is stable,
 /// or as the curve has it and the difference behind.
-fn given(found: &Cascade, run: &Run<'_>) -> Vec<f64> {
+fn before_linear(found: &Cascade, run: &Run<'_>) -> Vec<f64> {
     let inverse = found.linear.inverse();
     if inverse.is_stable() {
         inverse.simulate(run.position, run.start)
@@ -235,7 +235,7 @@ impl Scene {
         let lag = Arx { b: vec![now, 1.0 - keep - now], a: vec![-keep] };
         // Numerator and denominator of 1 + Σ c (1 − k)/(1 − k q⁻¹), one element after the other.
         let (mut b, mut a) = (vec![1.0], vec![1.0]);
-        let mut complete = 1.0;
+        let mut sum = 1.0;
         for element in creep.chunks_exact(2) {
             let k = (-self.period / element[1].exp()).exp();
             let times = |x: &[f64]| -> Vec<f64> {
@@ -245,9 +245,9 @@ impl Scene {
             let beside = a.iter().chain(&[0.0]).map(|a| element[0] * (1.0 - k) * a);
             b = times(&b).into_iter().zip(beside).map(|(b, add)| b + add).collect();
             a = times(&a);
-            complete += element[0];
+            sum += element[0];
         }
-        b.iter_mut().for_each(|b| *b /= complete);
+        b.iter_mut().for_each(|b| *b /= sum);
         lag.then(&Arx { b, a: a.split_off(1) })
     }
 
@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn slow_records_tell_lag_creep_and_bent_loops_apart() {
+    fn slow_records_separate_lag_creep_and_bent_loops() {
         let commands = [wave(8.0, 2.0, 700), wave(5.0, 5.0, 500), wave(8.0, 7.0, 500)];
         let positions = commands.each_ref().map(|u| machine(u));
         let run =
@@ -372,9 +372,9 @@ mod tests {
                     .unwrap();
             let rates: Vec<f64> =
                 series.linear.poles().iter().map(|pole| -pole.re.ln() / PERIOD).collect();
-            for wanted in [40.0 * core::f64::consts::TAU, 1.0 / 0.05, 1.0 / 0.8] {
-                let found = rates.iter().any(|rate| (rate / wanted - 1.0).abs() < 0.1);
-                assert!(found, "{wanted} 1/s from {bandwidth} Hz: {rates:?}");
+            for expected in [40.0 * core::f64::consts::TAU, 1.0 / 0.05, 1.0 / 0.8] {
+                let found = rates.iter().any(|rate| (rate / expected - 1.0).abs() < 0.1);
+                assert!(found, "{expected} 1/s from {bandwidth} Hz: {rates:?}");
             }
             // Three times as fast as any record, and loops that none has shown.
             let test = wave(7.0, 21.0, 400);

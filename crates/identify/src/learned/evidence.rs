@@ -38,7 +38,7 @@ const COARSE: (f64, f64) = (4.0, 10.0);
 /// is looked at.
 ///
 /// # Errors
-/// As [`Samples::new`].
+/// [`learned::Error`] where samples are too few or not finite.
 pub fn weigh(
     frame: &Frame,
     records: &[(&[f64], &[f64])],
@@ -55,17 +55,17 @@ pub fn weigh(
 /// cannot be solved exactly.
 pub const GREATEST_GAMMA: f64 = 3e8;
 
-/// The same for the samples of the frame that are given.
+/// Seeks the widths and γ on samples of the frame, by the rules of [`weigh`].
 #[must_use]
 pub fn weigh_samples(
     frame: &Frame,
-    complete: &Samples,
+    samples: &Samples,
     group: &dyn Fn(usize) -> usize,
     (start, gamma): (&[f64], f64),
     (evaluations, most): (usize, usize),
     greatest: f64,
 ) -> Weighed {
-    let few = complete.subset(&complete.rows_at_most(most.max(2)));
+    let few = samples.subset(&samples.rows_at_most(most.max(2)));
     // ln of the factors within 1000, of γ within 10⁶.
     let middle: Vec<f64> = start.iter().chain([&gamma]).map(|x| x.ln()).collect();
     let reach = |k: usize| if k < start.len() { 1e3_f64.ln() } else { 1e6_f64.ln() };

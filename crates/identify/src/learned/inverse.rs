@@ -59,7 +59,7 @@ pub struct InverseFigures {
     /// Root mean square of the position that its command leads to less the one that was asked for, on
     /// those, as a part of the position's range.
     pub error: f64,
-    /// The greatest of these differences, the same.
+    /// The greatest of these differences, as a part of that range.
     pub greatest: f64,
 }
 
@@ -102,8 +102,8 @@ pub fn learn(
     let count = stops.count;
     let group = |input: usize| usize::from(input >= count);
     let features = Features::Stops(stops);
-    let (position, complete) = (Span::of(&heights), Span { low: range[0], high: range[1] });
-    let frame = Frame::new(features, position, complete, Recipe::Plain, &pairs).on_a_line(&pairs);
+    let (position, full) = (Span::of(&heights), Span { low: range[0], high: range[1] });
+    let frame = Frame::new(features, position, full, Recipe::Plain, &pairs).on_a_line(&pairs);
     let found =
         weigh(&frame, &pairs, &group, (&START.0, START.1), SEARCH, f64::INFINITY).map_err(fail)?;
     stage(1)?;
@@ -149,7 +149,7 @@ pub fn learn(
     }
     // From position to command again.
     let mut inverse = small;
-    let ends = command(&[complete.low, complete.high]);
+    let ends = command(&[full.low, full.high]);
     inverse.frame.output = Span { low: ends[0], high: ends[1] };
     Ok((inverse, figures))
 }

@@ -101,7 +101,7 @@ impl Frame {
         frame
     }
 
-    /// As `new`, on the straight line of least error for these records.
+    /// This frame on the straight line of least error for these records.
     #[must_use]
     pub fn on_a_line(mut self, records: &[(&[f64], &[f64])]) -> Self {
         let scaled = |(u, y): (&f64, &f64)| (self.command.inward(*u), self.output.inward(*y));
@@ -138,7 +138,7 @@ impl Frame {
         plain.raw(records)
     }
 
-    /// As `bare`, with each width times the factor of its input's group.
+    /// This frame with each width times the factor of its input's group.
     #[must_use]
     pub(crate) fn stretched(&self, group: &dyn Fn(usize) -> usize, factors: &[f64]) -> Self {
         let mut stretched = self.clone();
@@ -151,7 +151,7 @@ impl Frame {
     /// The samples of these records.
     ///
     /// # Errors
-    /// As [`Samples::new`].
+    /// [`learned::Error`] where samples are too few or not finite.
     pub fn samples(&self, records: &[(&[f64], &[f64])]) -> Result<Samples, learned::Error> {
         let (inputs, outputs) = self.raw(records);
         Samples::new(self.features.dimension(), inputs, outputs)
@@ -201,8 +201,8 @@ impl Frame {
         u.extend(std::iter::repeat_n(u.last().copied().unwrap_or(0.0), delay));
         let f = self.kernel_sum(machine);
         let y = self.features.simulate(&f, &u, self.output.inward(y0), 1e3);
-        let complete = |(y, u): (&f64, &f64)| self.output.outward(y + self.slope * u);
-        y[delay..].iter().zip(&u).map(complete).collect()
+        let position = |(y, u): (&f64, &f64)| self.output.outward(y + self.slope * u);
+        y[delay..].iter().zip(&u).map(position).collect()
     }
 }
 
@@ -296,7 +296,7 @@ impl Machine {
     /// Trains on records of command and output.
     ///
     /// # Errors
-    /// As [`LsSvm::train`].
+    /// [`learned::Error`] where samples are too few or not finite, or the training has no exact solution.
     pub fn train(
         frame: Frame,
         records: &[(&[f64], &[f64])],
@@ -309,7 +309,7 @@ impl Machine {
     /// Trains on these samples of the frame.
     ///
     /// # Errors
-    /// As [`LsSvm::train`].
+    /// [`learned::Error`] where a setting is not positive or the training has no exact solution.
     pub fn train_on(
         frame: Frame,
         samples: &Samples,
@@ -328,7 +328,7 @@ impl Machine {
     /// One step ahead: each output from the true outputs before it.
     ///
     /// # Errors
-    /// As [`Samples::new`].
+    /// [`learned::Error`] where samples are too few or not finite.
     pub fn one_step(&self, command: &[f64], output: &[f64]) -> Result<Vec<f64>, learned::Error> {
         let samples = self.frame.samples(&[(command, output)])?;
         let (f, mut room) = (self.machine.kernel_sum(), vec![0.0; samples.dimension()]);
@@ -340,7 +340,7 @@ impl Machine {
     /// Prunes as Algorithm 1 of the laser beam paper, judged by the simulation of the first record.
     ///
     /// # Errors
-    /// As [`prune`].
+    /// [`learned::Error`] where a setting is out of its bounds or a training has no exact solution.
     pub fn prune(
         frame: Frame,
         records: &[(&[f64], &[f64])],

@@ -393,14 +393,14 @@ fn equations(
         for (n, (inside, numbers)) in
             insides(x, network).into_iter().zip(network.chunks_exact(EACH)).enumerate()
         {
-            let (height, given) = (numbers[INPUTS + 1], unit(inside));
-            added += height * given;
+            let (height, active) = (numbers[INPUTS + 1], unit(inside));
+            added += height * active;
             let slope = height * unit_slope(inside);
             for (k, x) in x.iter().enumerate() {
                 jacobian[(row, EACH * n + k)] = slope * x;
             }
             jacobian[(row, EACH * n + INPUTS)] = slope;
-            jacobian[(row, EACH * n + INPUTS + 1)] = given;
+            jacobian[(row, EACH * n + INPUTS + 1)] = active;
         }
         error[row] = added - left;
     }

@@ -58,7 +58,7 @@ pub(crate) struct Learned {
     pub(crate) chain: Vec<ComponentBlueprint>,
     pub(crate) table: Table,
     /// Whole periods of delay in front of it.
-    pub(crate) late: usize,
+    pub(crate) delay: usize,
     /// Numbers that were learned.
     pub(crate) numbers: usize,
     /// Of a process: what it says of its own errors.
@@ -81,7 +81,7 @@ struct Scene<'a> {
     bandwidth: f64,
 }
 
-/// Tells how far it is: done and total. An error where the observer asks to stop.
+/// Reports the progress: done and total. An error where the observer asks to stop.
 type Stage<'a> = dyn FnMut(usize, usize) -> Result<(), Error> + 'a;
 
 fn failed(error: learned::Error) -> Error {
@@ -172,15 +172,16 @@ impl Lesson<'_> {
                 record.output()[..rows.end].iter().map(|y| y - (offset - middle)).collect()
             })
             .collect();
-        let late: Vec<usize> = self.lates();
-        let commands: Vec<Vec<Vec<f64>>> = late.iter().map(|late| self.commands(*late)).collect();
+        let delays: Vec<usize> = self.delays();
+        let commands: Vec<Vec<Vec<f64>>> =
+            delays.iter().map(|delay| self.commands(*delay)).collect();
         let all_runs: Vec<Vec<Run<'_>>> =
             commands.iter().map(|commands| self.runs(commands, &positions)).collect();
-        let scenes: Vec<Scene<'_>> = late
+        let scenes: Vec<Scene<'_>> = delays
             .iter()
             .zip(&all_runs)
             .zip(&commands)
-            .map(|((late, runs), commands)| Scene {
+            .map(|((delay, runs), commands)| Scene {
                 runs,
                 command: Span::of(&commands.concat()),
                 position: Span::of(&positions.concat()),
@@ -189,14 +190,14 @@ impl Lesson<'_> {
                 learning: self.learning,
                 dynamic: self.dynamic,
                 first: if self.dynamic { sampled(&self.known, self.period) } else { none() },
-                bandwidth: self.bandwidth(*late),
+                bandwidth: self.bandwidth(*delay),
             })
             .collect();
         let last = &scenes[scenes.len() - 1];
         self.check_learning()?;
         let at = scenes.len() - 1;
         if self.family == Family::Term {
-            return Ok(Learned { late: late[at], ..term::learn(last, name, &mut stage)? });
+            return Ok(Learned { delay: delays[at], ..term::learn(last, name, &mut stage)? });
         }
         let (mut predicted, mut process) = (None, None);
         let (number, series, settings) = match self.family {
@@ -211,7 +212,7 @@ impl Lesson<'_> {
             Family::Term | Family::Process => {
                 let (series, trained) = process::learn(last, &mut stage)?;
                 let deviation = self.learning.deviation.then(|| trained.deviation()).transpose()?;
-                predicted = self.predicted((&trained, deviation.as_ref()), late[at], middle);
+                predicted = self.predicted((&trained, deviation.as_ref()), delays[at], middle);
                 process = deviation.map(|deviation| (trained, deviation));
                 (at, series, None)
             }
@@ -254,14 +255,14 @@ impl Lesson<'_> {
         }
         let of_d = if linear == none() { 0 } else { linear.b.len() + linear.a.len() };
         let numbers = table.values().len() + of_d;
-        Ok(Learned { chain, late: late[number], numbers, table, predicted })
+        Ok(Learned { chain, delay: delays[number], numbers, table, predicted })
     }
 
     /// What a process says of its errors on the rows held out; `None` where there are none.
     fn predicted(
         &self,
         (trained, few): (&process::TrainedProcess, Option<&Deviation>),
-        late: usize,
+        delay: usize,
         middle: f64,
     ) -> Option<Predicted> {
         let count: usize = self.judged.iter().map(Rows::len).sum();
@@ -269,7 +270,7 @@ impl Lesson<'_> {
         let mut deviations = Vec::new();
         let (mut within, mut apart) = (0, 0.0_f64);
         for ((record, rows), offset) in self.records.iter().zip(self.judged).zip(self.offsets) {
-            let command: Vec<f64> = std::iter::repeat_n(record.rest(), 1 + late)
+            let command: Vec<f64> = std::iter::repeat_n(record.rest(), 1 + delay)
                 .chain(record.input().iter().copied())
                 .take(rows.end)
                 .collect();
@@ -322,7 +323,7 @@ impl Lesson<'_> {
     }
 
     /// Whole periods of delay that may stand in front of the hysteresis. What is none or little is rather a lag.
-    fn lates(&self) -> Vec<usize> {
+    fn delays(&self) -> Vec<usize> {
         let found = (self.known.delay / self.period + 1e-6) as usize;
         let is_open = self.family == Family::Stops && self.dynamic && found > 0;
         is_open.then_some(0).into_iter().chain([found]).collect()
@@ -330,16 +331,16 @@ impl Lesson<'_> {
 
     /// Bandwidth in Hz at which the linear part begins behind so many periods of delay: slow signals are as late behind a lag of τ as
     /// after a delay of τ.
-    fn bandwidth(&self, late: usize) -> f64 {
-        let open = self.known.delay - late as f64 * self.period;
+    fn bandwidth(&self, delay: usize) -> f64 {
+        let open = self.known.delay - delay as f64 * self.period;
         let lag = 1.0 / (core::f64::consts::TAU * open.max(self.period));
         self.known.bandwidth.unwrap_or(lag)
     }
 
     /// What the hysteresis of each record is under at each row: at rest, then the command of the row before, late.
-    fn commands(&self, late: usize) -> Vec<Vec<f64>> {
+    fn commands(&self, delay: usize) -> Vec<Vec<f64>> {
         let of = |(record, rows): (&Record, &Rows)| {
-            let rest = std::iter::repeat_n(record.rest(), 1 + late);
+            let rest = std::iter::repeat_n(record.rest(), 1 + delay);
             rest.chain(record.input().iter().copied()).take(rows.end).collect()
         };
         self.records.iter().zip(self.fitted).map(of).collect()

@@ -20,7 +20,7 @@ pub struct Search {
 /// all inputs but the rate.
 ///
 /// # Errors
-/// As [`GaussianProcess::learn`].
+/// [`learned::Error`] where the training has no exact solution.
 pub fn by_likelihood(
     samples: &Samples,
     search: &Search,

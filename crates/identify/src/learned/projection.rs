@@ -241,8 +241,8 @@ mod tests {
             // 1 + their sum, −0.1/1.3, stand at their thresholds (numbers 0, 1 and 3 of 15 up to 8). Stops that
             // seldom reach their threshold are the command itself.
             for (at, p) in p.iter().enumerate().take(8) {
-                let wanted = if [0, 1, 3].contains(&at) { -0.1 / 1.3 } else { 0.0 };
-                assert!((p - wanted).abs() < 0.02, "{at}: {p}");
+                let expected = if [0, 1, 3].contains(&at) { -0.1 / 1.3 } else { 0.0 };
+                assert!((p - expected).abs() < 0.02, "{at}: {p}");
             }
         }
     }

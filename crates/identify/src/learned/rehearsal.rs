@@ -75,7 +75,7 @@ impl Rehearsal {
     /// The answers of `forward` to the measured commands and to the waves.
     ///
     /// # Errors
-    /// As [`Waves::commands`].
+    /// [`Error::Learned`] where a setting of the waves is out of bounds.
     pub fn new(
         measured: &[&[f64]],
         waves: Option<Waves>,
@@ -96,7 +96,7 @@ impl Rehearsal {
     /// Every `own`-th row of what was measured, and every `every`-th of the waves.
     ///
     /// # Errors
-    /// As [`Samples::new`].
+    /// [`learned::Error`] where samples are too few or not finite.
     pub fn samples(
         &self,
         frame: &Frame,

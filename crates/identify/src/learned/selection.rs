@@ -191,7 +191,7 @@ impl Frame {
 /// The settings of least error within these bounds of ln σ² and ln γ, on at most so many samples.
 ///
 /// # Errors
-/// As [`Samples::new`] and [`Validation::new`].
+/// [`learned::Error`] where samples are too few or not finite.
 pub fn select(
     frame: &Frame,
     records: &Records<'_>,
@@ -211,7 +211,7 @@ pub fn select(
 /// solved or run off.
 ///
 /// # Errors
-/// As [`Samples::new`] and [`Validation::new`].
+/// [`learned::Error`] where samples are too few or not finite.
 pub fn held_out(
     frame: &Frame,
     records: &Records<'_>,
@@ -260,7 +260,7 @@ impl Machine {
     /// The machine of these settings on at most so many samples.
     ///
     /// # Errors
-    /// As [`LsSvm::train`].
+    /// [`learned::Error`] where samples are too few or not finite, or the training has no exact solution.
     pub fn of_selected(
         frame: Frame,
         records: &Records<'_>,
@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_at_a_bound_says_so() {
+    fn what_stands_at_a_bound_is_reported() {
         let mut row =
             |s: f64, gammas: &[f64]| gammas.iter().map(|g| (g - 3.0).powi(2) - s).collect();
         let found = sought(Seek::Grid, &[(0.0, 4.0), (0.0, 8.0)], &mut row);

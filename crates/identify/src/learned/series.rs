@@ -75,7 +75,7 @@ impl Series {
     /// zeros and poles, those that err least are taken.
     ///
     /// # Errors
-    /// As [`Machine::train`].
+    /// [`learned::Error`] where samples are too few or not finite, or the training has no exact solution.
     pub fn train(
         frame: &Frame,
         settings: Settings,
@@ -202,7 +202,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_play_behind_a_lag_is_told_from_the_lag() {
+    fn a_play_behind_a_lag_is_separated_from_it() {
         let play = |u: &[f64]| -> Vec<f64> {
             let (play, mut state) = (Plays { r: &[1.0], w: &[0.5] }, [0.0]);
             u.iter().map(|u| u + play.step(*u, &mut state)).collect()

@@ -32,7 +32,7 @@ impl Series {
     /// part to find, and one choice is enough. `first` as in [`train`](Self::train).
     ///
     /// # Errors
-    /// As [`Machine::train`](super::Machine::train).
+    /// [`learned::Error`] where samples are too few or not finite, or the training has no exact solution.
     pub fn train_weighed(
         frame: &Frame,
         widths: Widths<'_>,

@@ -48,7 +48,7 @@ static DECLARATION: Declaration = Declaration {
 /// The component `lssvm-feedforward` without its table.
 pub(super) struct Feedforward;
 
-/// As `Feedforward`, with it.
+/// The component `lssvm-feedforward` with its table.
 struct Loaded {
     features: Features,
     sum: KernelSum,
@@ -232,8 +232,8 @@ mod tests {
             component.step(&k, &mut state, tick, &[y], &mut u);
             h = f(y, h);
             let lead = 3e-3 * (y - past[0]) / 1e-3 + 4.0 * ((y - past[0]) - (past[0] - past[1]));
-            let wanted = (y + lead - 0.5) / 2.0 - (-1.0 + 4.0 * h);
-            assert!((u[0] - wanted).abs() < 1e-9, "{index}: {u:?} {wanted}");
+            let expected = (y + lead - 0.5) / 2.0 - (-1.0 + 4.0 * h);
+            assert!((u[0] - expected).abs() < 1e-9, "{index}: {u:?} {expected}");
             past = [y, past[0]];
         }
     }

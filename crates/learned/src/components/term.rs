@@ -61,7 +61,7 @@ const INVERSE_FREE: &[Inverse] =
 /// The component `lssvm-term` without its table.
 pub(super) struct Term;
 
-/// As `Term`, with it.
+/// The component `lssvm-term` with its table.
 struct Loaded {
     signals: TermSignals,
     past: usize,
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_of_the_position_is_undone_by_its_own_term() {
+    fn a_model_of_the_position_is_inverted_by_its_own_term() {
         let (component, k, mut state, structure) = loaded(2.0, 5);
         let inverse = component.inverses()[0];
         assert!(loaded(1.0, 5).0.inverses().is_empty() && loaded(3.0, 8).0.inverses().is_empty());
@@ -302,17 +302,17 @@ mod tests {
         back.rest(&other, &y, &mut memory, &mut u);
         assert!((u[0] - 3.0).abs() < 1e-6, "{u:?}");
         for index in 1..300_u64 {
-            let wanted =
+            let expected =
                 5.0 - 4.0 * libm::cos(0.05 * index as f64) + libm::sin(0.13 * index as f64);
             let tick = Tick { index, time: T * index as f64, period: T };
-            component.step(&k, &mut state, tick, &[wanted], &mut y);
+            component.step(&k, &mut state, tick, &[expected], &mut y);
             back.step(&other, &mut memory, tick, &y, &mut u);
-            assert!((u[0] - wanted).abs() < 1e-6, "{index}: {u:?} {wanted}");
+            assert!((u[0] - expected).abs() < 1e-6, "{index}: {u:?} {expected}");
         }
     }
 
     #[test]
-    fn what_does_not_fit_is_said() {
+    fn what_does_not_fit_is_reported() {
         let table = Table::new(4, vec![0.1, 1.0, 1.0, 1.0, 0.2, 0.1, 0.1, 0.1]).expect("rows");
         let text = Term.with_table(&[T, 2.0, 2.0, 3.0], &table).err().expect("refused");
         assert!(text.contains("8 inputs"), "{text}");

@@ -42,13 +42,13 @@ impl Stops {
         Self { count, range, period, rate_scale: NO_RATE, projection: Vec::new() }
     }
 
-    /// As `new`, with the rate as an input, divided by `scale`.
+    /// These stops with the rate as an input, divided by `scale`.
     #[must_use]
     pub fn rated(self, scale: f64) -> Self {
         Self { rate_scale: scale, ..self }
     }
 
-    /// As `rated`, without the projection.
+    /// These stops without the projection.
     #[must_use]
     pub fn bare(&self) -> Self {
         Self { projection: Vec::new(), ..self.clone() }

@@ -274,7 +274,7 @@ mod tests {
         let (u, y) = ([0.1, 0.2, 0.4, 0.3], [0.7, 0.9, 1.1, 1.3]);
         let scaled = |y: f64| (y - 0.5) / 2.0;
         let h = |k: usize| (y[k] - 0.5) / 2.0 - u[k] + 0.5;
-        let wanted = [
+        let expected = [
             (TermSignals::Command, vec![0.3, 0.4, 0.2, h(2), h(1)]),
             (TermSignals::Position, vec![scaled(1.3), scaled(1.1), scaled(0.9), h(2), h(1)]),
             (
@@ -282,14 +282,14 @@ mod tests {
                 vec![0.3, 0.4, 0.2, scaled(1.1), scaled(0.9), scaled(0.7), h(2), h(1)],
             ),
         ];
-        for (signals, wanted) in wanted {
+        for (signals, expected) in expected {
             let term = term(signals);
             let (inputs, terms) = term.of_record(&u, &y);
-            assert_eq!(term.dimension(), wanted.len());
-            let last = &inputs[3 * wanted.len()..];
+            assert_eq!(term.dimension(), expected.len());
+            let last = &inputs[3 * expected.len()..];
             assert!(
-                last.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-12),
-                "{last:?} {wanted:?}"
+                last.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12),
+                "{last:?} {expected:?}"
             );
             assert!((terms[3] - h(3)).abs() < 1e-12);
         }

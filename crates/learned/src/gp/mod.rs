@@ -126,7 +126,7 @@ impl GaussianProcess {
     /// Seeks the hyperparameters of greatest marginal likelihood, then trains on all samples.
     ///
     /// # Errors
-    /// As [`train`](Self::train).
+    /// [`Error::Setting`], [`Error::IllPosed`], [`Error::Unconverged`].
     pub fn learn(samples: &Samples, search: &Search) -> Result<(Self, Likelihood), Error> {
         let few = samples.subset(&samples.rows_at_most(search.most_samples.max(2)));
         let found = ascent::ascend(&few, &search.start, search.evaluations)?;
@@ -294,8 +294,8 @@ mod tests {
         let samples = samples(60);
         for lengths in [vec![0.7], vec![0.7, 1.4]] {
             let at = start(lengths);
-            let complete = likelihood(&samples, &at).unwrap();
-            for k in 0..complete.gradient.len() {
+            let full = likelihood(&samples, &at).unwrap();
+            for k in 0..full.gradient.len() {
                 let moved = |step: f64| {
                     let mut p = at.clone();
                     let slot = match k {
@@ -306,11 +306,11 @@ mod tests {
                     *slot *= step.exp();
                     likelihood(&samples, &p).unwrap().value
                 };
-                let wanted = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-                let found = complete.gradient[k];
+                let expected = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+                let found = full.gradient[k];
                 assert!(
-                    (found - wanted).abs() < 1e-4 * wanted.abs().max(1.0),
-                    "{k}: {found} {wanted}"
+                    (found - expected).abs() < 1e-4 * expected.abs().max(1.0),
+                    "{k}: {found} {expected}"
                 );
             }
         }

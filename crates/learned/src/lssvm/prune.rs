@@ -58,7 +58,7 @@ pub struct Pruned {
 /// not a number counts as too large.
 ///
 /// # Errors
-/// As [`LsSvm::train`]; [`Error::Setting`] where the unpruned model does not meet τ.
+/// [`Error::Setting`], also where the unpruned model does not meet τ; [`Error::IllPosed`], [`Error::Unconverged`].
 pub fn prune(
     samples: &Samples,
     settings: Settings,

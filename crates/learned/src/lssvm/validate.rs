@@ -242,10 +242,10 @@ mod tests {
             let samples = samples(150, 3);
             for folds in [Folds::blocks(150, 10), Folds::interleaved(150, 5)] {
                 let errors = by_hand(&samples, &folds, settings);
-                let wanted = errors.iter().map(|e| e * e).sum::<f64>() / 150.0;
+                let expected = errors.iter().map(|e| e * e).sum::<f64>() / 150.0;
                 let mut validation = Validation::new(&samples, &folds).unwrap();
                 let found = validation.one_step(settings.sigma2, &[settings.gamma]).unwrap();
-                assert!((found[0] / wanted - 1.0).abs() < 1e-5, "{} {wanted}", found[0]);
+                assert!((found[0] / expected - 1.0).abs() < 1e-5, "{} {expected}", found[0]);
                 let models = validation.models(settings.sigma2, &[settings.gamma]).unwrap();
                 let mut room = [0.0; 3];
                 for (model, part) in &models[0] {
@@ -263,9 +263,9 @@ mod tests {
     fn leaving_one_out_needs_no_training() {
         for settings in [ROUGH, SMOOTH] {
             let samples = samples(60, 3);
-            let wanted = by_hand(&samples, &Folds::blocks(60, 60), settings);
+            let expected = by_hand(&samples, &Folds::blocks(60, 60), settings);
             let found = leave_one_out(&samples, settings).unwrap();
-            for (a, b) in wanted.iter().zip(found) {
+            for (a, b) in expected.iter().zip(found) {
                 assert!((a - b).abs() < 1e-6, "{a} {b}");
             }
         }

@@ -29,7 +29,7 @@ pub(crate) fn view(values: &[f64], rows: usize, columns: usize) -> View<'_> {
     View::from_slice(values, rows, columns)
 }
 
-/// The same, to be changed.
+/// The matrix, to be changed, whose columns follow each other in `values`.
 pub(crate) fn view_mut(values: &mut [f64], rows: usize, columns: usize) -> ViewMut<'_> {
     ViewMut::from_slice(values, rows, columns)
 }

@@ -37,7 +37,7 @@ impl Scaled {
         self.arch.dispatch(Fill { points: self, matrix, what: What::Kernel });
     }
 
-    /// As `fill_lower`, with squared distances in the place of kernels.
+    /// The lower half of the squared distances into `matrix`, column after column, n rows each.
     pub(crate) fn fill_distances(&self, matrix: &mut [f64]) {
         self.arch.dispatch(Fill { points: self, matrix, what: What::Distance });
     }
@@ -341,8 +341,8 @@ mod tests {
             let [y0, y1] = symmetric_products(&k, n, 0.5, [&x0, &x1]);
             let [z0, z1] = scaled.products([&x0, &x1], 0.5);
             for i in 0..n {
-                let wanted = 0.5 * x0[i] + (0..n).map(|j| kernel(i, j) * x0[j]).sum::<f64>();
-                assert!((y0[i] - wanted).abs() < 1e-12 && (z0[i] - wanted).abs() < 1e-12);
+                let expected = 0.5 * x0[i] + (0..n).map(|j| kernel(i, j) * x0[j]).sum::<f64>();
+                assert!((y0[i] - expected).abs() < 1e-12 && (z0[i] - expected).abs() < 1e-12);
                 assert!((y1[i] - z1[i]).abs() < 1e-12);
             }
         }

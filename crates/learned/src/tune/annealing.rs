@@ -44,13 +44,13 @@ pub fn coupled_annealing(
     }
     let mut values: Vec<f64> = points.iter().map(|p| counted.at(p)).collect();
     let mut acceptance = 1.0;
-    let wanted = 0.99 * (walkers as f64 - 1.0) / (walkers as f64).powi(2);
+    let expected = 0.99 * (walkers as f64 - 1.0) / (walkers as f64).powi(2);
     for step in 1..=annealing.steps {
         let reach = 1.0 / step as f64;
         let shares = shares(&values, acceptance);
         let mean = 1.0 / walkers as f64;
         let variance = shares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() * mean;
-        acceptance *= if variance < wanted { 0.95 } else { 1.05 };
+        acceptance *= if variance < expected { 0.95 } else { 1.05 };
         for k in 0..walkers {
             let mut probe = points[k].clone();
             for (x, (low, high)) in probe.iter_mut().zip(bounds) {

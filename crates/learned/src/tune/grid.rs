@@ -47,11 +47,11 @@ pub fn grid_then_simplex(
     row: &mut dyn FnMut(f64, &[f64]) -> Vec<f64>,
     watch: Watch<'_>,
 ) -> Best {
-    let mut complete = 0;
+    let mut evaluated = 0;
     let mut best_so_far = f64::INFINITY;
     let mut ended = false;
     let coarse = grid(bounds, [7, 5], row, &mut |n, best| {
-        (complete, best_so_far) = (n, best);
+        (evaluated, best_so_far) = (n, best);
         ended |= !watch(n, best);
         !ended
     });
@@ -59,7 +59,7 @@ pub fn grid_then_simplex(
         return coarse;
     }
     let mut one = |x: &[f64]| row(x[0], &x[1..]).first().copied().unwrap_or(f64::INFINITY);
-    let mut onward = |n: usize, best: f64| watch(complete + n, best.min(best_so_far));
+    let mut onward = |n: usize, best: f64| watch(evaluated + n, best.min(best_so_far));
     let mut counted = Counted::new(&mut one, &mut onward);
     let simplex = Simplex { edge: 0.08, evaluations: 62, tolerance: 1e-4 };
     descend(&mut counted, bounds, &coarse.point, simplex);

@@ -1,7 +1,7 @@
 //! Searches for the least value of a function within a box.
 //!
 //! A value that is not a number counts as infinite. All searches run from a seed and give the same
-//! answer again; each tells a [`Watch`] how far it is and ends where that says so.
+//! answer again; each reports to a [`Watch`] how far it is and ends where that says so.
 
 mod annealing;
 mod grid;
@@ -25,7 +25,7 @@ pub struct Best {
     pub evaluations: usize,
 }
 
-/// Is told after each evaluation how many there were and the best value so far; `false` ends the
+/// Receives after each evaluation how many there were and the best value so far; `false` ends the
 /// search with the best so far.
 pub type Watch<'a> = &'a mut dyn FnMut(usize, f64) -> bool;
 

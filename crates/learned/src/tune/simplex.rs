@@ -34,7 +34,7 @@ pub fn nelder_mead(
     counted.best
 }
 
-/// As `nelder_mead`, with a count that goes on.
+/// Goes down from `start` within the box, with a count that goes on.
 pub(super) fn descend(
     counted: &mut Counted<'_>,
     bounds: &[(f64, f64)],

@@ -75,9 +75,9 @@ fn modes_of_one_level_are_found_from_others_nearby() {
     for error in [0.0, 1e-9] {
         let level = level(&truth, 1.0, error);
         let plant = refined(&level, &start).unwrap();
-        for (own, wanted) in plant.modes.iter().zip(&truth.modes) {
-            assert!((own.frequency / wanted.frequency - 1.0).abs() < 1e-4, "{own:?}");
-            assert!((own.damping / wanted.damping - 1.0).abs() < 1e-3, "{own:?}");
+        for (own, expected) in plant.modes.iter().zip(&truth.modes) {
+            assert!((own.frequency / expected.frequency - 1.0).abs() < 1e-4, "{own:?}");
+            assert!((own.damping / expected.damping - 1.0).abs() < 1e-3, "{own:?}");
         }
         let misfit = |plant: &HeldPlant| level.response.misfit(&plant.rational());
         let (own, first) = (misfit(&plant), misfit(&start));
@@ -100,10 +100,10 @@ fn a_known_softening_is_found() {
         let own = plant.softening.as_ref().unwrap();
         assert_eq!((own.exponent, &own.rms), (exponent, &softening.rms));
         for k in [1, 2] {
-            let (mode, wanted) = (&plant.modes[k], &truth.modes[k]);
-            assert!((mode.frequency / wanted.frequency - 1.0).abs() < 3e-4, "{mode:?}");
+            let (mode, expected) = (&plant.modes[k], &truth.modes[k]);
+            assert!((mode.frequency / expected.frequency - 1.0).abs() < 3e-4, "{mode:?}");
             assert!((own.shift[k] - softening.shift[k]).abs() < 5e-4, "{own:?}");
-            assert!((mode.damping / wanted.damping - 1.0).abs() < 0.02, "{mode:?}");
+            assert!((mode.damping / expected.damping - 1.0).abs() < 0.02, "{mode:?}");
             assert!((own.growth[k] - softening.growth[k]).abs() < 0.03, "{own:?}");
         }
     }

@@ -206,7 +206,7 @@ impl Joint<'_> {
             let mut slope = [0.0; INPUTS];
             for (n, numbers) in network.chunks_exact(EACH).enumerate() {
                 let inside = x.iter().zip(numbers).fold(numbers[INPUTS], |sum, (x, a)| sum + a * x);
-                let given = unit(inside);
+                let active = unit(inside);
                 let turned = numbers[INPUTS + 1] * unit_slope(inside);
                 let at = OTHERS + plays.w.len() + n * EACH;
                 for (m, x) in x.iter().enumerate() {
@@ -214,15 +214,15 @@ impl Joint<'_> {
                     slope[m] += turned * numbers[m];
                 }
                 jacobian[(end, at + INPUTS)] = turned;
-                jacobian[(end, at + INPUTS + 1)] = given;
+                jacobian[(end, at + INPUTS + 1)] = active;
             }
             let eta = x[1];
-            let complete = 1.0 + (2.0 * quadratic + 3.0 * cubic * eta) * eta + slope[1];
+            let total = 1.0 + (2.0 * quadratic + 3.0 * cubic * eta) * eta + slope[1];
             jacobian[(end, 0)] = (bent[k].1 - y) / (BEND * half);
             jacobian[(end, 1)] = eta * eta;
             jacobian[(end, 2)] = eta * eta * eta;
-            jacobian[(end, 4)] = complete * (1.0 + plays.share.iter().sum::<f64>()) / half;
-            slopes.push((k, complete, slope));
+            jacobian[(end, 4)] = total * (1.0 + plays.share.iter().sum::<f64>()) / half;
+            slopes.push((k, total, slope));
             end += 1;
         }
         let place = |u: &f64| ((u - centre) / half_command).clamp(-BEYOND, BEYOND);
@@ -243,21 +243,19 @@ impl Joint<'_> {
                 for (z, part) in crept.iter_mut().zip(&parts) {
                     *z += if k == 0 { p - *z } else { part * (p - *z) };
                 }
-                let Some(((_, complete, slope), row)) = rows.next_if(|((at, ..), _)| *at == k)
-                else {
+                let Some(((_, total, slope), row)) = rows.next_if(|((at, ..), _)| *at == k) else {
                     continue;
                 };
                 let late: f64 = crept.iter().sum();
-                let given = slope[FIRST_CREEP..].iter().zip(&crept);
-                let left: f64 = given.map(|(slope, z)| slope * (p - z)).sum();
-                jacobian[(row, OTHERS + i)] = (complete * (p + share * late) + left) / half;
-                jacobian[(row, 3)] += complete * w * late / half;
+                let pairs = slope[FIRST_CREEP..].iter().zip(&crept);
+                let left: f64 = pairs.map(|(slope, z)| slope * (p - z)).sum();
+                jacobian[(row, OTHERS + i)] = (total * (p + share * late) + left) / half;
+                jacobian[(row, 3)] += total * w * late / half;
             }
         }
         // Creep of the offset.
-        for (at, (_, complete, _)) in slopes.iter().enumerate() {
-            jacobian[(from + at, 3)] +=
-                complete * plays.scalars[0] * plays.share.len() as f64 / half;
+        for (at, (_, total, _)) in slopes.iter().enumerate() {
+            jacobian[(from + at, 3)] += total * plays.scalars[0] * plays.share.len() as f64 / half;
         }
         Ok(end)
     }

@@ -50,7 +50,7 @@ pub(super) fn learn(
     let table = table(&machine)?;
     let numbers = table.values().len() + 2;
     let chain = vec![lesson.component(name, scene.period)];
-    Ok(Learned { chain, late: 0, numbers, table, predicted: None })
+    Ok(Learned { chain, delay: 0, numbers, table, predicted: None })
 }
 
 /// The line, the inputs, and the samples of the records.
@@ -168,9 +168,9 @@ impl<'a> Lesson<'a> {
     /// The machine of all samples, pruned where that is asked for, else on the fewest centres that err hardly more.
     fn machine(&self, settings: Settings, most: Option<usize>) -> Result<LsSvm, Error> {
         let all = self.samples.subset(&self.taught(SAMPLES, &[]));
-        let complete: Vec<Rows<usize>> =
+        let rows: Vec<Rows<usize>> =
             self.runs.iter().map(|run| run.first..run.position.len()).collect();
-        let judge = |machine: &LsSvm| self.error(machine, &complete).sqrt();
+        let judge = |machine: &LsSvm| self.error(machine, &rows).sqrt();
         if let Some(least_count) = most {
             let pruning = Pruning { least_count, ..Pruning::default() };
             return Ok(prune(&all, settings, pruning, judge).map_err(failed)?.model);
