@@ -347,29 +347,29 @@ mod tests {
             .on_a_line(pairs)
     }
 
+    /// What is trained on these commands and the machine's positions, from a lag of `bandwidth` Hz.
+    fn trained(commands: &[Vec<f64>], bandwidth: f64) -> Series {
+        let positions: Vec<Vec<f64>> = commands.iter().map(|u| machine(u)).collect();
+        let pairs: Vec<(&[f64], &[f64])> =
+            commands.iter().zip(&positions).map(|(u, y)| (&u[..], &y[..])).collect();
+        let run = |&(command, position): &(_, _)| {
+            let teaches = Teaches::Both;
+            Run { command, position, start: 0.0, first: 0, teaches }
+        };
+        let runs: Vec<Run<'_>> = pairs.iter().map(run).collect();
+        let group = |input: usize| usize::from(input >= 15);
+        let (stiff, search) = ((&[40.0, 0.1][..], 1e5), (40, 500));
+        let widths = Widths { group: &group, stiff, search, greatest: f64::INFINITY };
+        let found = Series::train_cascade(&frame(&pairs), widths, &runs, (bandwidth, PERIOD), 600);
+        found.unwrap().unwrap().0
+    }
+
     #[test]
     fn slow_records_separate_lag_creep_and_bent_loops() {
         let commands = [wave(8.0, 2.0, 700), wave(5.0, 5.0, 500), wave(8.0, 7.0, 500)];
-        let positions = commands.each_ref().map(|u| machine(u));
-        let run =
-            |(u, y)| Run { command: u, position: y, start: 0.0, first: 0, teaches: Teaches::Both };
-        let each = commands.iter().map(Vec::as_slice).zip(positions.iter().map(Vec::as_slice));
-        let pairs: Vec<(&[f64], &[f64])> = each.clone().collect();
-        let runs: Vec<Run<'_>> = each.map(run).collect();
-        let frame = frame(&pairs);
-        let group = |input: usize| usize::from(input >= 15);
-        let widths = Widths {
-            group: &group,
-            stiff: (&[40.0, 0.1], 1e5),
-            search: (40, 500),
-            greatest: f64::INFINITY,
-        };
         // From a lag that is half as fast, and from one that is twice as fast.
         for bandwidth in [20.0, 80.0] {
-            let (series, _) =
-                Series::train_cascade(&frame, widths, &runs, (bandwidth, PERIOD), 600)
-                    .unwrap()
-                    .unwrap();
+            let series = trained(&commands, bandwidth);
             let rates: Vec<f64> =
                 series.linear.poles().iter().map(|pole| -pole.re.ln() / PERIOD).collect();
             for expected in [40.0 * core::f64::consts::TAU, 1.0 / 0.05, 1.0 / 0.8] {
@@ -393,30 +393,7 @@ mod tests {
                 *u = if *u < 5.5 { 4.6 } else { 6.4 };
             }
         });
-        let commands = [low, high];
-        let positions = commands.each_ref().map(|u| machine(u));
-        let pairs: Vec<(&[f64], &[f64])> =
-            commands.iter().zip(&positions).map(|(u, y)| (&u[..], &y[..])).collect();
-        let runs: Vec<Run<'_>> = pairs
-            .iter()
-            .map(|(u, y)| Run {
-                command: u,
-                position: y,
-                start: 0.0,
-                first: 0,
-                teaches: Teaches::Both,
-            })
-            .collect();
-        let group = |input: usize| usize::from(input >= 15);
-        let widths = Widths {
-            group: &group,
-            stiff: (&[40.0, 0.1], 1e5),
-            search: (40, 500),
-            greatest: f64::INFINITY,
-        };
-        let (series, _) = Series::train_cascade(&frame(&pairs), widths, &runs, (40.0, PERIOD), 600)
-            .unwrap()
-            .unwrap();
+        let series = trained(&[low, high], 40.0);
         let test = wave(8.0, 3.0, 600);
         let error = rms_difference(&series.simulate(&test, 0.0), &machine(&test));
         // Without the waves 0.054, with them 0.012.
