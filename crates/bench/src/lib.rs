@@ -23,6 +23,7 @@ pub mod gateway;
 pub mod live;
 pub mod packet;
 pub mod plan;
+mod plant;
 pub mod receive;
 pub mod record;
 pub mod rehearsal;

@@ -9,7 +9,7 @@ use crate::damping::{self, Damped, DampedPlant, Damping};
 use crate::design::{Feedback, Linear, SHIFTS, design};
 use crate::feedforward::{self, Candidate};
 use crate::inverse_filter::InverseFilter;
-use crate::invert::ControlSettings;
+use crate::inversion::ControlSettings;
 use crate::learned_axis::LearnedAxis;
 use crate::linearised::{is_discrete, lead_of, modes, shifted, varied};
 use crate::loop_shape::{Limits, Shaped};

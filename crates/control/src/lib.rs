@@ -21,6 +21,7 @@ mod damping;
 mod design;
 mod feedforward;
 mod inverse_filter;
+mod inversion;
 mod invert;
 mod learned_axis;
 mod linearised;
@@ -45,7 +46,8 @@ pub use design::{CommandActs, Feedback};
 pub use feedforward::Feedforward;
 pub use identify::learned::InverseFigures;
 pub use identify::{Error, NotInvertible, SettingsProblem};
-pub use invert::{ControlSettings, Coordinator, Inversion, LoopFigures, invert};
+pub use inversion::{ControlSettings, Coordinator, Inversion, LoopFigures};
+pub use invert::invert;
 pub use preview::PreviewFigures;
 pub use responses::{AxisResponses, FrequencyCurves, TimeRun, responses};
 pub use servo::{

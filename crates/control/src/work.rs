@@ -19,7 +19,7 @@ use crate::damping::Damping;
 use crate::design::Feedback;
 use crate::feedforward::{self, Candidate, Feedforward, is_feedforward};
 use crate::inverse_filter::InverseFilter;
-use crate::invert::{ControlSettings, Inversion, refused};
+use crate::inversion::{ControlSettings, Inversion, refused};
 use crate::loop_shape::Shaped;
 use crate::preview::Preview;
 

@@ -6,31 +6,11 @@ use modeldescription::ModelDescription;
 use modeldescription::description::Unit;
 use modeldescription::variable::{Causality, DataType, Variability, Variable};
 
+use crate::port::Port;
 use crate::problem::{Problem, Problems};
 use crate::slave::{Address, Index, Settable, Slave, Value, can_be_triggered, settable};
 use crate::system::{Participant, Recorded, System, Wire};
 use crate::unit::{Conversion, Way};
-
-/// A variable of a slave.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Port {
-    /// Name of the slave.
-    pub slave: String,
-    /// Name of the variable.
-    pub variable: String,
-}
-
-impl<S: Into<String>, V: Into<String>> From<(S, V)> for Port {
-    fn from((slave, variable): (S, V)) -> Self {
-        Port { slave: slave.into(), variable: variable.into() }
-    }
-}
-
-impl std::fmt::Display for Port {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "`{}` of FMU `{}`", self.variable, self.slave)
-    }
-}
 
 /// An output that feeds an input, with unit conversion where both declare a unit.
 #[derive(Clone, Debug, PartialEq, Eq)]

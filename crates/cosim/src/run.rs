@@ -200,7 +200,11 @@ impl Stepping<'_, '_> {
             participant.starts_during.iter().try_for_each(|(n, v)| slave.set_start(n, v))?;
         }
         self.hold(held, start);
-        self.system.look_ahead(self.algorithm);
+        let algorithm = self.algorithm;
+        self.system.look_ahead(
+            |slave| algorithm.steps_late(slave),
+            |source, target| algorithm.looks_ahead(source, target),
+        );
         (0..self.system.len()).try_for_each(|slave| self.system.read_outputs(slave))?;
         self.system.publish();
         self.algorithm.initialize(self.system)?;

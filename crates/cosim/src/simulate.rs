@@ -3,8 +3,9 @@
 use modeldescription::variable::Causality;
 
 use crate::algorithm::Jacobi;
-use crate::diagram::{Diagram, Port, can_be_fed};
+use crate::diagram::{Diagram, can_be_fed};
 use crate::error::Error;
+use crate::port::Port;
 use crate::problem::{Problem, Problems};
 use crate::record::Recorder;
 use crate::run::Run;

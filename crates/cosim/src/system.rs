@@ -1,11 +1,13 @@
 //! A checked system: slaves, the bus between them, and the moves of which algorithms are made.
 
+mod pace;
+
 use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
-use crate::diagram::Port;
+use self::pace::Pace;
 use crate::error::Error;
-use crate::pace::Pace;
+use crate::port::Port;
 use crate::problem::Problem;
 use crate::record::Column;
 use crate::slave::{Address, Selection, Slave, Value};

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::case::{Case, NoiseHint};
 use crate::error::{Error, at};
 use crate::label::Label;
-use crate::tool::Tool;
+use crate::tool::{Tool, names_of_fmu};
 
 /// Machines that are drawn until one can have the effects at their sizes.
 const DRAWS: u64 = 60;
@@ -152,11 +152,6 @@ fn question(case: &Case, scene: &Scene) -> Question {
         arguments.extend(tolerances_of_fmu());
     }
     Question { arguments, repaired }
-}
-
-/// Which variables of an FMU that the tool packed read the columns of the first axis.
-pub(crate) fn names_of_fmu() -> Vec<String> {
-    ["--map", "command[1]=u1", "--map", "position[1]=y1"].map(str::to_owned).to_vec()
 }
 
 /// An FMU does not say how far its parameters may be off; its user does.

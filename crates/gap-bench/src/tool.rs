@@ -35,6 +35,11 @@ pub trait Tool: Sync {
     fn simulate(&self, model: &Path, log: &Path) -> Result<Vec<Miss>, String>;
 }
 
+/// Which variables of an FMU that the tool packed read the columns of the first axis.
+pub(crate) fn names_of_fmu() -> Vec<String> {
+    ["--map", "command[1]=u1", "--map", "position[1]=y1"].map(str::to_owned).to_vec()
+}
+
 /// A program with the commands `pack`, `diagnose` and `simulate` of `piezoloop`.
 #[derive(Clone, Debug)]
 pub struct Program {
@@ -174,7 +179,7 @@ impl Tool for Program {
         ];
         let mut with_names = arguments.to_vec();
         if model.extension().is_some_and(|e| e == "fmu") {
-            with_names.extend(crate::prepare::names_of_fmu());
+            with_names.extend(names_of_fmu());
         }
         let printed = self.call(folder, &with_names)?;
         let run: Run = serde_json::from_str(&printed).map_err(|error| error.to_string())?;

@@ -4,7 +4,7 @@ use data::{AxisBlueprint, Blueprint, CheckedBlueprint, Log, SignalBlueprint};
 use identify::learned::{Arx, Machine};
 use model::Kind;
 
-use crate::reproduce::Response;
+use crate::matching::Response;
 use crate::reproduce::control::{Tracked, arx_component};
 
 /// Logs and blueprints of one part of a paper, each with its name.

@@ -5,13 +5,13 @@
 mod fault;
 mod instrument;
 mod link;
-mod plant;
 mod serve;
 
+pub use crate::gateway::Instrument;
+pub use crate::plant::{Plant, PlantError};
 pub use fault::{Active, Direction, Fault, FaultKind, Script, ScriptError};
-pub use instrument::{GcsInstrument, Instrument, Nv200Instrument, Signals, Travel, travel};
+pub use instrument::{GcsInstrument, Nv200Instrument, Signals, Travel, travel};
 pub use link::{Injected, Link};
-pub use plant::{Plant, PlantError};
 pub use serve::{Serve, Served, serve};
 
 use crate::gateway::Gateway;

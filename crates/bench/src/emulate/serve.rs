@@ -4,10 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::link::Injected;
-use super::plant::PlantError;
 use super::{Emulator, Timing};
 use crate::clock::{now_ns, wait_until};
 use crate::gateway::Gateway;
+use crate::plant::PlantError;
 use crate::receive::Counters;
 
 /// When it ends.

@@ -5,7 +5,8 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use super::{GatewayError, PROTOCOLS, Protocol};
+use super::protocol::Protocol;
+use super::{GatewayError, PROTOCOLS};
 
 /// Where the machine is.
 #[derive(Clone, Debug, PartialEq, Eq)]

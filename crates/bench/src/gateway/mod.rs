@@ -23,6 +23,7 @@ mod memory;
 pub mod nv200;
 mod plugin;
 mod process_data;
+mod protocol;
 #[cfg(unix)]
 pub mod serial;
 mod serve;
@@ -36,12 +37,13 @@ use std::time::Duration;
 use thiserror::Error;
 
 pub use address::{Address, Place};
-pub use instrument::{OpenStation, OpenedDevice, Protocol, open_station};
+pub use instrument::open_station;
 pub use keyed::{KEYED_VERSION, Key, KeyError, KeyedGateway, Refused};
 pub use memory::{MemoryGateway, pair};
 pub use plugin::PluginDevice;
 pub use process_data::{Bit, ChannelData, DeviceData, Entry, NumberType, ProcessData};
-pub use serve::{InstrumentServed, serve};
+pub use protocol::{OpenStation, OpenedDevice, Protocol};
+pub use serve::{Instrument, InstrumentServed, serve};
 #[cfg(feature = "shared-memory")]
 pub use shared_memory::SharedMemoryGateway;
 pub use udp::UdpGateway;

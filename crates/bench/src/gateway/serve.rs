@@ -6,11 +6,35 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crate::clock::now_ns;
-use crate::emulate::{Instrument, PlantError};
 use crate::gateway::line::is_none_yet;
 #[cfg(unix)]
 use crate::gateway::serial;
 use crate::gateway::{GatewayError, Place};
+use crate::plant::PlantError;
+
+/// An instrument as its client sees it.
+pub trait Instrument: std::fmt::Debug {
+    /// Takes bytes of the client; the return value is what is answered.
+    fn receive(&mut self, bytes: &[u8]) -> Vec<u8>;
+
+    /// One step of servo and plant.
+    ///
+    /// # Errors
+    /// The plant failed.
+    fn step(&mut self) -> Result<(), PlantError>;
+
+    /// Power off and on.
+    fn reboot(&mut self);
+
+    /// The client is gone: half a line is none.
+    fn hang_up(&mut self);
+
+    /// Commands and questions so far.
+    fn commands(&self) -> u64;
+
+    /// Targets and servo states, axis by axis.
+    fn targets(&self) -> Vec<(f64, bool)>;
+}
 
 /// How long nothing may come before the clock is looked at.
 const LOOK: Duration = Duration::from_micros(200);

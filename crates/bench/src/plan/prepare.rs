@@ -334,7 +334,7 @@ impl Plan {
             put("controller_model", json!(description.model_name));
             put("controller_guid", json!(description.instantiation_token));
         }
-        put("replay", json!(recipe.to_toml()?));
+        put("replay", json!(recipe.to_toml().map_err(PlanError::one)?));
         for (name, file) in [("controller", fmu_file), ("plan", self.origin.as_deref())] {
             let Some(file) = file else { continue };
             let bytes = std::fs::read(file).map_err(|error| {

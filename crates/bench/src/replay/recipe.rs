@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::plan::PlanError;
 use crate::safety::AxisLimits;
 
 /// What a replay needs beside the rows and the FMU. Records hold it as TOML, in which numbers read
@@ -58,9 +57,8 @@ impl Recipe {
     ///
     /// # Errors
     /// A start value that TOML does not write.
-    pub fn to_toml(&self) -> Result<String, PlanError> {
-        toml::to_string(self)
-            .map_err(|error| PlanError(vec![format!("[start] cannot be recorded: {error}")]))
+    pub fn to_toml(&self) -> Result<String, String> {
+        toml::to_string(self).map_err(|error| format!("[start] cannot be recorded: {error}"))
     }
 
     /// Reads its text.

@@ -8,7 +8,7 @@ use crate::coupling::Group;
 use crate::damping::grid;
 use crate::design::Feedback;
 use crate::feedforward::Feedforward;
-use crate::invert::refused;
+use crate::inversion::refused;
 use crate::loop_shape::Limits;
 use crate::preview::{self, Preview};
 

@@ -5,7 +5,7 @@ use crate::check::Check;
 use crate::coupled_loop::CoupledFigures;
 use crate::coupling::Group;
 use crate::design::Feedback;
-use crate::invert::{Coordinator, LoopFigures};
+use crate::inversion::{Coordinator, LoopFigures};
 use crate::loop_shape::Shaped;
 use crate::preview::Preview;
 

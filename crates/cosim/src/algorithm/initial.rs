@@ -10,7 +10,8 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use modeldescription::variable::{DataType, Initial, Variable};
 use modeldescription::{FmiVersion, ModelDescription};
 
-use super::iteration::{Group, Iteration};
+use super::loops::Group;
+use super::solver::Solver;
 use crate::error::Error;
 use crate::slave::Index;
 use crate::system::System;
@@ -32,7 +33,7 @@ struct Output {
 pub(super) fn settle(
     system: &mut System,
     order: &[usize],
-    iteration: &Iteration,
+    solver: &Solver,
     is_strict: bool,
 ) -> Result<(), Error> {
     for group in groups(system, order) {
@@ -44,7 +45,7 @@ pub(super) fn settle(
             continue;
         }
         let begin: Vec<f64> = group.torn.iter().map(|place| system.bus[*place]).collect();
-        match iteration.solve(&group, system, |system, _| once(system)) {
+        match solver.solve(&group, system, |system, _| once(system)) {
             Err(Error::Loop { variables, .. }) if !is_strict => {
                 for (place, value) in group.torn.iter().zip(begin) {
                     system.bus[*place] = value;

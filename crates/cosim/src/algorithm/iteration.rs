@@ -1,45 +1,15 @@
 //! Iteration: algebraic loops are solved in every communication step.
 
-mod loops;
-
 use std::cell::RefCell;
 
 use super::Algorithm;
 use super::initial::settle;
+use super::loops::{Group, Meeting, groups, late};
+use super::solver::{IterationSettings, Solver};
 use crate::error::Error;
-use crate::problem::{Problem, Problems};
+use crate::problem::Problems;
 use crate::slave::StateId;
 use crate::system::System;
-pub(super) use loops::Group;
-use loops::{Meeting, groups, late};
-
-/// How a guess of a loop's values is corrected by what the slaves made of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Relaxation {
-    /// `x ← x + ω·(y(x) − x)` with this ω; 1 is plain substitution.
-    Fixed(f64),
-    /// As `Fixed`, with ω from the last two corrections, which solves a linear loop of one variable in
-    /// three passes (Aitken's Δ², as in Küttler and Wall, Comput. Mech. 43, 2008).
-    Aitken,
-}
-
-/// When and how a loop is solved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IterationSettings {
-    /// How a guess is corrected.
-    pub relaxation: Relaxation,
-    /// Each value of the loop must change by less than this part of the largest magnitude it has
-    /// had in the run.
-    pub tolerance: f64,
-    /// Most passes through a loop in one step.
-    pub iterations: usize,
-}
-
-impl Default for IterationSettings {
-    fn default() -> Self {
-        IterationSettings { relaxation: Relaxation::Aitken, tolerance: 1e-9, iterations: 50 }
-    }
-}
 
 /// Sources step before targets. Slaves that wait for each other form a loop: their states are
 /// saved, they step with guessed inputs, and are rolled back and step again until what they give at
@@ -67,52 +37,9 @@ pub struct Iteration {
     /// By slave: it steps at the end of its own step, as it is in a group with different steps or is fed by
     /// one.
     late: Vec<bool>,
-    settings: IterationSettings,
+    solver: Solver,
     /// Saved states, by slave.
     states: RefCell<Vec<Option<StateId>>>,
-    work: RefCell<Work>,
-}
-
-/// What is kept from pass to pass.
-#[derive(Debug, Default)]
-struct Work {
-    /// Largest magnitude that each value of the bus has had in a solution.
-    largest: Vec<f64>,
-    guess: Vec<f64>,
-    corrections: Vec<Correction>,
-    /// Corrections of the pass before.
-    previous: Vec<f64>,
-    /// What weighs the corrections of values of different magnitudes, fixed by the first pass.
-    scales: Vec<f64>,
-}
-
-/// What the slaves made of a guess, less the guess.
-#[derive(Clone, Copy, Debug)]
-struct Correction {
-    change: f64,
-    /// In parts of the largest magnitude.
-    relative: f64,
-}
-
-impl IterationSettings {
-    fn problems(&self) -> Vec<Problem> {
-        let mut problems = Vec::new();
-        let mut add = |text: String| problems.push(Problem::Iteration(text));
-        if let Relaxation::Fixed(omega) = self.relaxation
-            && !(omega > 0.0 && omega <= 2.0)
-        {
-            add(format!("a relaxation of {omega} is none; give more than 0 and at most 2"));
-        }
-        if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
-            let tolerance = self.tolerance;
-            add(format!("a tolerance of {tolerance} is none; give more than 0 and less than 1"));
-        }
-        if self.iterations < 2 {
-            let most = self.iterations;
-            add(format!("{most} passes cannot show that a loop is solved; allow 2 or more"));
-        }
-        problems
-    }
 }
 
 impl Iteration {
@@ -125,73 +52,15 @@ impl Iteration {
         let groups = groups(system);
         problems.extend(groups.iter().flat_map(|group| group.problems(system)));
         let late = late(system, &groups);
-        let (meetings, states, work) = Default::default();
-        Problems::none_or(problems, Iteration { groups, meetings, late, settings, states, work })
-    }
-
-    /// What solves circles at the start for algorithms that solve none later.
-    pub(super) fn at_start() -> Self {
-        let (groups, meetings, late, settings, states, work) = Default::default();
-        Iteration { groups, meetings, late, settings, states, work }
+        let (meetings, states) = Default::default();
+        let solver = Solver::new(settings);
+        Problems::none_or(problems, Iteration { groups, meetings, late, solver, states })
     }
 
     /// The loops, by places of their slaves.
     pub fn loops(&self) -> impl Iterator<Item = &[usize]> {
         let loops = self.groups.iter().filter(|group| group.is_loop());
         loops.map(|group| group.slaves.as_slice())
-    }
-
-    /// Passes through a loop until its values stay.
-    pub(super) fn solve(
-        &self,
-        group: &Group,
-        system: &mut System,
-        mut pass: impl FnMut(&mut System, usize) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let mut work = self.work.borrow_mut();
-        let mut omega = match self.settings.relaxation {
-            Relaxation::Fixed(omega) => omega,
-            Relaxation::Aitken => 1.0,
-        };
-        work.previous.clear();
-        work.scales.clear();
-        for iteration in 0..self.settings.iterations {
-            work.guess.clear();
-            work.guess.extend(group.torn.iter().map(|place| system.bus[*place]));
-            pass(system, iteration)?;
-            let worst = work.compare(group, system);
-            if work.corrections.iter().all(|r| r.relative.abs() <= self.settings.tolerance) {
-                work.accept(group, system);
-                return Ok(());
-            }
-            if iteration + 1 == self.settings.iterations {
-                return Err(self.unsolved(group, system, worst, &work));
-            }
-            if self.settings.relaxation == Relaxation::Aitken {
-                omega = work.aitken(omega);
-            }
-            for ((place, x), r) in group.torn.iter().zip(&work.guess).zip(&work.corrections) {
-                system.bus[*place] = x + omega * r.change;
-            }
-            let Work { previous, corrections, .. } = &mut *work;
-            previous.clear();
-            previous.extend(corrections.iter().map(|r| r.change));
-        }
-        Ok(())
-    }
-
-    #[cold]
-    fn unsolved(&self, group: &Group, system: &System, worst: usize, work: &Work) -> Error {
-        let change = work.corrections.get(worst).map_or(f64::NAN, |r| r.change);
-        let value = work.guess.get(worst).map_or(f64::NAN, |x| x + change);
-        Error::Loop {
-            variables: group.names(system),
-            iterations: self.settings.iterations,
-            worst: group.name(system, worst),
-            value,
-            change,
-            tolerance: self.settings.tolerance,
-        }
     }
 
     /// Steps slaves that step together, a loop until it is solved.
@@ -211,7 +80,7 @@ impl Iteration {
         if !group.is_loop() {
             return once(system);
         }
-        self.solve(group, system, |system, iteration| {
+        self.solver.solve(group, system, |system, iteration| {
             self.roll_back(group, system, iteration)?;
             once(system)
         })
@@ -231,50 +100,6 @@ impl Iteration {
             }
         }
         Ok(())
-    }
-}
-
-impl Work {
-    /// Compares what the slaves gave with the guess; the place of the largest relative change.
-    fn compare(&mut self, group: &Group, system: &System) -> usize {
-        self.largest.resize(system.bus.len(), 0.0);
-        self.corrections.clear();
-        for (place, x) in group.torn.iter().zip(&self.guess) {
-            let y = system.bus[*place];
-            let largest = self.largest[*place].max(x.abs()).max(y.abs());
-            let change = y - x;
-            let relative = if change == 0.0 { 0.0 } else { change / largest };
-            self.corrections.push(Correction { change, relative });
-            if self.scales.len() < self.corrections.len() {
-                self.scales.push(if largest > 0.0 { largest } else { 1.0 });
-            }
-        }
-        let sizes = self.corrections.iter().map(|r| r.relative.abs()).enumerate();
-        sizes.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(worst, _)| worst)
-    }
-
-    /// Notes the magnitudes of a solution; those of guesses say nothing.
-    fn accept(&mut self, group: &Group, system: &System) {
-        for place in &group.torn {
-            self.largest[*place] = self.largest[*place].max(system.bus[*place].abs());
-        }
-    }
-
-    /// The next ω: −ω·(r·Δr)/(Δr·Δr), r the corrections before, Δr their change.
-    fn aitken(&self, omega: f64) -> f64 {
-        if self.previous.len() != self.corrections.len() {
-            return omega;
-        }
-        let (mut along, mut square) = (0.0, 0.0);
-        for ((before, now), scale) in self.previous.iter().zip(&self.corrections).zip(&self.scales)
-        {
-            let before = before / scale;
-            let difference = now.change / scale - before;
-            along += before * difference;
-            square += difference * difference;
-        }
-        let next = -omega * along / square;
-        if next.is_finite() && next != 0.0 { next } else { omega }
     }
 }
 
@@ -317,7 +142,7 @@ impl Algorithm for Iteration {
                 let _ = slave.forget(state);
             }
         }
-        self.work.borrow_mut().largest.clear();
-        settle(system, &self.initialization_order(system), self, true)
+        self.solver.begin();
+        settle(system, &self.initialization_order(system), &self.solver, true)
     }
 }

@@ -29,14 +29,18 @@ mod gauss_seidel;
 mod initial;
 mod iteration;
 mod jacobi;
+mod loops;
+mod solver;
 
 pub use extrapolation::Extrapolation;
 pub use gauss_seidel::GaussSeidel;
-pub use iteration::{Iteration, IterationSettings, Relaxation};
+pub use iteration::Iteration;
 pub use jacobi::Jacobi;
+pub use solver::{IterationSettings, Relaxation};
 
 use crate::error::Error;
 use crate::system::System;
+use solver::Solver;
 
 /// One communication step of a system, made of the moves that [`System`] offers.
 pub trait Algorithm {
@@ -68,6 +72,6 @@ pub trait Algorithm {
     /// settle is noted in [`System::unsolved`] and begins with what one pass gives.
     fn initialize(&self, system: &mut System) -> Result<(), Error> {
         let order = self.initialization_order(system);
-        initial::settle(system, &order, &Iteration::at_start(), false)
+        initial::settle(system, &order, &Solver::default(), false)
     }
 }

@@ -11,34 +11,6 @@ mod protocol;
 mod slave;
 mod worker;
 
-use std::ffi::OsString;
-use std::path::PathBuf;
-use std::time::Duration;
-
 pub(crate) use slave::IsolatedSlave;
+pub use slave::Worker;
 pub use worker::serve;
-
-/// How workers are started.
-#[derive(Clone, Debug)]
-pub struct Worker {
-    /// The program, which must come to [`serve`] when it is started with the arguments.
-    pub program: PathBuf,
-    /// The worker's arguments.
-    pub arguments: Vec<OsString>,
-    /// A call that takes longer ends the process.
-    pub timeout: Duration,
-    /// Most memory for data that a process may have, in bytes; none: as much as there is. An FMU that asks
-    /// for more gets none, upon which most crash.
-    pub memory: Option<u64>,
-}
-
-impl Worker {
-    /// This program, with this argument.
-    ///
-    /// # Errors
-    /// If the operating system does not tell which program this is.
-    pub fn this_program(argument: &str, timeout: Duration) -> std::io::Result<Self> {
-        let program = std::env::current_exe()?;
-        Ok(Worker { program, arguments: vec![argument.into()], timeout, memory: None })
-    }
-}

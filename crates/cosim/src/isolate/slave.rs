@@ -1,6 +1,8 @@
 //! A slave in another process.
 
+use std::ffi::OsString;
 use std::io;
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -8,7 +10,6 @@ use std::time::{Duration, Instant};
 use fmi_bindings::import::{Experiment, HOST, Message, Status, StepResult};
 use modeldescription::{FmiVersion, ModelDescription, Package};
 
-use super::Worker;
 use super::protocol::{Answer, Request, receive, received, send};
 use crate::error::Error;
 use crate::slave::{Selection, Settings, Slave, StateId, Value};
@@ -20,6 +21,31 @@ type Socket = std::net::TcpStream;
 
 /// How long a worker may take to free its FMU, besides its timeout.
 const LONGEST_END: Duration = Duration::from_secs(5);
+
+/// How workers are started.
+#[derive(Clone, Debug)]
+pub struct Worker {
+    /// The program, which must come to [`serve`](super::serve) when it is started with the arguments.
+    pub program: PathBuf,
+    /// The worker's arguments.
+    pub arguments: Vec<OsString>,
+    /// A call that takes longer ends the process.
+    pub timeout: Duration,
+    /// Most memory for data that a process may have, in bytes; none: as much as there is. An FMU that asks
+    /// for more gets none, upon which most crash.
+    pub memory: Option<u64>,
+}
+
+impl Worker {
+    /// This program, with this argument.
+    ///
+    /// # Errors
+    /// If the operating system does not tell which program this is.
+    pub fn this_program(argument: &str, timeout: Duration) -> std::io::Result<Self> {
+        let program = std::env::current_exe()?;
+        Ok(Worker { program, arguments: vec![argument.into()], timeout, memory: None })
+    }
+}
 
 /// A slave whose FMU runs in a worker.
 pub(crate) struct IsolatedSlave {

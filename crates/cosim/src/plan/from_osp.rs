@@ -29,8 +29,8 @@ use modeldescription::xml::{self, Element, XmlLimits};
 use percent_encoding::percent_decode_str;
 
 use super::{Coupling, Master, Plan, PlannedConnection, PlannedFmu, PlannedStart};
-use crate::diagram::Port;
 use crate::error::Error;
+use crate::port::Port;
 use crate::unit::Way;
 
 /// Names that a message lists.

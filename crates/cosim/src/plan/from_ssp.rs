@@ -6,8 +6,8 @@ use modeldescription::ssp::{Annotation, FMU_TYPE, Flat, Implementation, Ssp, Ssp
 use modeldescription::xml;
 
 use super::{Coupling, Master, Plan, PlannedConnection, PlannedFmu, PlannedInput, PlannedStart};
-use crate::diagram::Port;
 use crate::error::Error;
+use crate::port::Port;
 use crate::unit::Way;
 
 /// `type` of the annotation that holds what SSP has no words for: step, algorithm, order.

@@ -14,8 +14,8 @@ use std::sync::{Mutex, PoisonError};
 use modeldescription::ssp::{ParameterValue, Ssp};
 
 use crate::algorithm::{IterationSettings, Relaxation};
-use crate::diagram::Port;
 use crate::error::Error;
+use crate::port::Port;
 use crate::unit::Way;
 
 pub use prepare::Prepared;

@@ -9,8 +9,9 @@ use modeldescription::variable::{Causality, DataType};
 
 use super::{Coupling, Plan, PlannedConnection, PlannedStart};
 use crate::algorithm::{Algorithm, Extrapolation, GaussSeidel, Iteration, Jacobi};
-use crate::diagram::{Diagram, Port};
+use crate::diagram::Diagram;
 use crate::error::Error;
+use crate::port::Port;
 use crate::problem::{Problem, Problems};
 use crate::slave::{Address, Index, Slave, Value, numbers, unrecorded};
 use crate::system::System;

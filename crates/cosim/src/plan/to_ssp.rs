@@ -10,8 +10,8 @@ use modeldescription::{ModelDescription, xml};
 use super::from_ssp::ANNOTATION;
 use super::{Plan, PlannedFmu};
 use crate::algorithm::Relaxation;
-use crate::diagram::Port;
 use crate::error::Error;
+use crate::port::Port;
 use crate::slave::Address;
 use crate::unit::Way;
 

@@ -4,8 +4,7 @@ use anyhow::anyhow;
 use data::{AxisBlueprint, CheckedBlueprint, SignalBlueprint};
 use identify::{Columns, Dynamics, Methods, Record, Settings, Silent, Target, identify};
 
-use super::{response, rms};
-use crate::reproduce::Response;
+use super::{Response, response, rms};
 
 /// Part of each record that the identification wants held out; the papers hold out nothing.
 const HELD_OUT: f64 = 0.05;

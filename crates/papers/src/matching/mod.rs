@@ -3,12 +3,14 @@
 //! one that no plausible machine has is a finding.
 
 pub(crate) mod baseline;
+mod drive;
 mod p0;
-mod p1;
+pub(crate) mod p1;
 mod p2;
 pub(crate) mod p3;
 mod p4;
 
+pub(crate) use self::drive::{Response, axis_driven, driven};
 use anyhow::{Context, anyhow};
 use data::Blueprint;
 use model::System;

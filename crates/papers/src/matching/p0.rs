@@ -4,9 +4,8 @@ use identify::learned::{Frame, Machine, Recipe, Span, rms_difference};
 use learned::features::{Features, Narx};
 use learned::lssvm::Settings;
 
-use super::{Figure, extremes, response, rest, rig, signal};
+use super::{Figure, Response, driven, extremes, response, rest, rig, signal};
 use crate::machines;
-use crate::reproduce::{self, Response};
 
 const RIG: &str = machines::P0;
 
@@ -51,7 +50,7 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
 /// Rms in simulation of the paper's LS-SVM (N_h = 2, σ² = 2, γ = 10⁴), trained on signal H, on the
 /// frequency-varying signal, in percent of the range of H.
 fn narx() -> anyhow::Result<f64> {
-    let of = |name: &str| reproduce::response(RIG, name, &[], 1.0);
+    let of = |name: &str| driven(RIG, name, &[], 1.0);
     let (h, d) = (of("p0-train-h")?, of("p0-train-d")?);
     let rising = h.position[h.position.len() / 20] > h.position[0];
     let (min, max) = extremes(&h.position);

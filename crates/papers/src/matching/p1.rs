@@ -6,11 +6,16 @@ use learned::lssvm::{Folds, Settings, Validation};
 use learned::tune::grid_then_simplex;
 
 use super::baseline::{Baseline, error};
-use super::{Figure, rest, rig, rms};
+use super::{Figure, Response, driven, rest, rig, rms};
 use crate::machines;
-use crate::reproduce::{Response, p1::recorded};
 
 const RIG: &str = machines::P1;
+
+/// The machine under a signal of the paper.
+pub(crate) fn recorded(letter: char) -> anyhow::Result<Response> {
+    let (name, given) = machines::p1(letter);
+    driven(RIG, &name, given, 1.0)
+}
 
 /// P1: range, and rms of the position about a straight line, signals A to G: that of signal A, as the paper does not
 /// say which line it means.

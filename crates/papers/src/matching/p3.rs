@@ -5,8 +5,8 @@ use data::CheckedBlueprint;
 use model::System;
 
 use super::baseline::{Baseline, error};
-use super::{Figure, command, extremes, position, rest, rig, rms};
-use crate::{machines, reproduce};
+use super::{Figure, Response, command, driven, extremes, position, rest, rig, rms};
+use crate::machines;
 
 const RIG: &str = machines::P3;
 /// Amplifier of the rig: the paper's volts are at the actuator.
@@ -30,7 +30,7 @@ pub(crate) const MPI: &[Printed] = &[
 ];
 
 /// The paper's baseline, fitted to the chirp.
-pub(crate) fn mpi(chirp: &reproduce::Response) -> anyhow::Result<CheckedBlueprint> {
+pub(crate) fn mpi(chirp: &Response) -> anyhow::Result<CheckedBlueprint> {
     let thresholds = (0..11).map(|i| f64::from(i) * 0.5 * TOP / 11.0).collect();
     Baseline { method: Some("mpi"), thresholds, levels: 2, dynamic: false }.fit(&[chirp])
 }
@@ -47,9 +47,7 @@ pub(super) fn figures() -> anyhow::Result<Vec<Figure>> {
         let what = format!("PI alone, sine of {frequency} Hz, rms of range");
         all.push(Figure::new(RIG, what, "%", paper, error));
     }
-    let of = |name: &str, settings: &[(&str, f64)]| {
-        reproduce::response(RIG, name, settings, 1.0 / AMPLIFIER)
-    };
+    let of = |name: &str, settings: &[(&str, f64)]| driven(RIG, name, settings, 1.0 / AMPLIFIER);
     let mpi = mpi(&of("p3-chirp", &[])?)?;
     for &(what, name, settings, paper) in MPI {
         let run = of(name, settings)?;

@@ -1,9 +1,8 @@
 //! P4, elliptical vibration cutting device.
 
 use super::baseline::{Baseline, error};
-use super::{Figure, extremes, response, rig, signal};
+use super::{Figure, Response, extremes, response, rig, signal};
 use crate::machines;
-use crate::reproduce::Response;
 
 const RIG: &str = machines::P4;
 /// P4: stroke and loop width of the third 1 Hz loop of 0 to 120 V, and the static model fitted at 1 Hz.

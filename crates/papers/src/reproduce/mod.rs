@@ -279,14 +279,6 @@ impl Row {
     }
 }
 
-/// The command of an axis and the position at the end of each of its samples.
-pub(crate) struct Response {
-    pub(crate) command: Vec<f64>,
-    /// One more than commands: the position before the first.
-    pub(crate) position: Vec<f64>,
-    pub(crate) period: f64,
-}
-
 /// The poles of a linear part: frequencies in Hz, and dampings of pairs.
 pub(crate) fn poles(linear: &Arx, period: f64) -> String {
     let described = linear.poles().into_iter().filter(|p| p.im >= 0.0).map(|p| {
@@ -298,38 +290,4 @@ pub(crate) fn poles(linear: &Arx, period: f64) -> String {
         }
     });
     described.collect::<Vec<String>>().join(", ")
-}
-
-/// What axis 1 of a truth rig does under a paper's signal, times `gain`; the last command is held for
-/// one sample more.
-pub(crate) fn response(
-    rig: &str,
-    name: &str,
-    settings: &[(&str, f64)],
-    gain: f64,
-) -> anyhow::Result<Response> {
-    response_of(rig, 1, name, settings, gain)
-}
-
-/// As `response`, of an axis, from 1.
-fn response_of(
-    rig: &str,
-    axis: usize,
-    name: &str,
-    settings: &[(&str, f64)],
-    gain: f64,
-) -> anyhow::Result<Response> {
-    let (u, period) = matching::signal(name, settings)?;
-    let mut command: Vec<f64> = u.iter().map(|u| gain * u).collect();
-    command.push(command.last().copied().unwrap_or(0.0));
-    let position = matching::response(&mut matching::rig(rig)?, axis, &command, period)?;
-    command.pop();
-    Ok(Response { command, position, period })
-}
-
-impl Response {
-    /// The position at the end of each sample.
-    pub(crate) fn after(&self) -> &[f64] {
-        &self.position[1..]
-    }
 }

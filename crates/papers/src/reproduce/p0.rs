@@ -12,9 +12,10 @@ use self::method::{Method, OWN, PERIOD, narx, narx_in_simulation, stops_in_turn}
 use self::tried::tried;
 use super::control::{Linear, linear};
 use super::figures::{self, Chapter};
-use super::{Aim, Effort, Order, Reproduction, Response, Row, response};
+use super::{Aim, Effort, Order, Reproduction, Row};
 use crate::machines;
 use crate::matching::baseline::{self, Baseline};
+use crate::matching::{Response, driven};
 
 const ID: &str = "P0";
 const LEAST: usize = 40;
@@ -59,12 +60,12 @@ struct Records {
 
 /// θ = (d − d_min)/(d_max − d_min) with the extremes of the training signal, rising with the command.
 fn records() -> anyhow::Result<Records> {
-    let train = response(machines::P0, "p0-train-h", &[], 1.0)?;
+    let train = driven(machines::P0, "p0-train-h", &[], 1.0)?;
     let rising = train.position[train.position.len() / 20] > train.position[0];
     let sign = if rising { 1.0 } else { -1.0 };
     let signed: Vec<f64> = train.position.iter().map(|d| sign * d).collect();
     let span = Span::of(&signed);
-    let record = |response: super::Response| {
+    let record = |response: Response| {
         let theta = |d: &f64| (sign * d - span.low) / (span.high - span.low);
         Record {
             u: response.command.iter().map(|u| u / 150.0).collect(),
@@ -72,7 +73,7 @@ fn records() -> anyhow::Result<Records> {
             theta0: theta(&response.position[0]),
         }
     };
-    let of = |name: &str| response(machines::P0, name, &[], 1.0).map(record);
+    let of = |name: &str| driven(machines::P0, name, &[], 1.0).map(record);
     Ok(Records {
         train_d: of("p0-train-d")?,
         tests: [of("p0-test-1")?, of("p0-test-2")?],
@@ -202,7 +203,7 @@ const PLAYS: usize = 20;
 /// Ours: plays between two curves, with creep, delay and lag, fitted to records H and D, in simulation as all.
 fn plays(answer: &mut Reproduction, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result<()> {
     say("plays between two curves");
-    let of = |name: &str| response(machines::P0, name, &[], 1.0);
+    let of = |name: &str| driven(machines::P0, name, &[], 1.0);
     let (h, d) = (of("p0-train-h")?, of("p0-train-d")?);
     let tests = [of("p0-test-1")?, of("p0-test-2")?];
     let ours = Baseline {

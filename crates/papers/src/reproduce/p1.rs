@@ -12,9 +12,9 @@ use learned::lssvm::{Folds, Validation};
 
 use super::figures::{self, Chapter};
 use super::relays::Relays;
-use super::{Aim, Effort, Order, Reproduction, Response, Row, response};
+use super::{Aim, Effort, Order, Reproduction, Row};
 use crate::keep::UNITS;
-use crate::machines;
+use crate::matching::{Response, p1::recorded};
 
 const ID: &str = "P1";
 /// Greatest command of the paper, in V.
@@ -29,12 +29,6 @@ const ALL: usize = 1500;
 struct Records {
     train: Vec<Response>,
     tests: Vec<Response>,
-}
-
-/// The machine under a signal of the paper.
-pub(crate) fn recorded(letter: char) -> anyhow::Result<Response> {
-    let (name, given) = machines::p1(letter);
-    response(machines::P1, &name, given, 1.0)
 }
 
 fn records() -> anyhow::Result<Records> {

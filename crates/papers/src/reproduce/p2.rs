@@ -15,10 +15,11 @@ use learned::lssvm::{LsSvm, Samples, Settings, leave_one_out};
 use learned::tune::grid_then_simplex;
 
 use super::figures::{self, Chapter};
-use super::{Aim, Effort, Order, Reproduction, Row, response};
+use super::{Aim, Effort, Order, Reproduction, Row};
 use crate::keep::UNITS;
 use crate::machines;
 use crate::matching::baseline::{Baseline, simulated};
+use crate::matching::driven;
 
 const ID: &str = "P2";
 /// 2ξω, ω², d of the printed G(s), in um and V.
@@ -100,7 +101,7 @@ const PRINTED: Way = Way { scales: SCALES, gain: GAIN };
 const SCALES: [f64; 3] = [10.0, 200.0, 30.0 * STIFFNESS];
 
 fn record(name: &str, way: Way) -> anyhow::Result<Record> {
-    let run = response(machines::P2, name, &[], 1.0)?;
+    let run = driven(machines::P2, name, &[], 1.0)?;
     let y: Vec<f64> = run.after().iter().map(|y| y - run.position[0]).collect();
     let (u, t) = (run.command, run.period);
     let at = |k: isize| y[k.clamp(0, y.len() as isize - 1) as usize];
@@ -254,7 +255,7 @@ fn in_simulation(
 
 /// The Bouc–Wen model fitted to the training record: its errors in percent of the range.
 fn bouc_wen() -> anyhow::Result<[f64; 3]> {
-    let of = |name: &str| response(machines::P2, name, &[], 1.0);
+    let of = |name: &str| driven(machines::P2, name, &[], 1.0);
     let runs = [of("p2-train")?, of("p2-test-1")?, of("p2-test-2")?];
     let baseline = Baseline {
         method: Some("bouc-wen"),
@@ -279,7 +280,7 @@ const PLAYS: usize = 30;
 /// Ours: plays between two curves, told the same as model III: the command, and the measured position one sample before, from
 /// which it goes on. Its errors in percent of the range.
 fn plays_and_position() -> anyhow::Result<[f64; 3]> {
-    let of = |name: &str| response(machines::P2, name, &[], 1.0);
+    let of = |name: &str| driven(machines::P2, name, &[], 1.0);
     let runs = [of("p2-train")?, of("p2-test-1")?, of("p2-test-2")?];
     // From 0 to half the range of the command, 10 V.
     let thresholds = (0..PLAYS).map(|i| 5.0 * i as f64 / PLAYS as f64).collect();
@@ -390,7 +391,7 @@ pub(super) fn run(effort: Effort, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result
     let records = records(PRINTED)?;
     let mut answer = Reproduction::default();
     for name in ["p2-train", "p2-test-1", "p2-test-2"] {
-        answer.kept.record(&name[3..], UNITS, &response(machines::P2, name, &[], 1.0)?, None)?;
+        answer.kept.record(&name[3..], UNITS, &driven(machines::P2, name, &[], 1.0)?, None)?;
     }
     let quick =
         answer.leaves_out(effort, "ours, settings in simulation mode and what else was tried");

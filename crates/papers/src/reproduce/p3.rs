@@ -11,10 +11,10 @@ use learned::gp::{self, GaussianProcess, Hyperparameters};
 use learned::lssvm::Samples;
 
 use super::figures::{self, Chapter};
-use super::{Aim, Effort, Order, Reproduction, Response, Row, response};
+use super::{Aim, Effort, Order, Reproduction, Row};
 use crate::keep::UNITS;
 use crate::machines;
-use crate::matching::{self, baseline::simulated};
+use crate::matching::{self, Response, baseline::simulated, driven};
 
 const ID: &str = "P3";
 /// Amplifier of the rig: the paper's volts are at the actuator.
@@ -306,7 +306,7 @@ fn simulated_by(model: &CheckedBlueprint, run: &Response) -> anyhow::Result<Vec<
 }
 
 pub(super) fn run(effort: Effort, say: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Reproduction> {
-    let chirp = response(machines::P3, "p3-chirp", &[], 1.0 / AMPLIFIER)?;
+    let chirp = driven(machines::P3, "p3-chirp", &[], 1.0 / AMPLIFIER)?;
     let mut answer = Reproduction::default();
     let quick = answer.leaves_out(
         effort,

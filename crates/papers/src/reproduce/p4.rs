@@ -14,10 +14,11 @@ use model::NodeSpec;
 use rayon::prelude::*;
 
 use super::figures::{self, Chapter};
-use super::{Aim, Effort, Order, Reproduction, Response, Row, response_of};
+use super::{Aim, Effort, Order, Reproduction, Row};
 use crate::keep::UNITS;
 use crate::machines;
 use crate::matching::baseline::{Baseline, simulated};
+use crate::matching::{Response, axis_driven};
 
 const ID: &str = "P4";
 /// Frequencies of the loops that the rate-dependent models are fitted to, in Hz.
@@ -48,7 +49,7 @@ impl Loops {
         let settling = (SETTLING * hertz).ceil();
         let settings = [("duration", (settling + 3.0) / hertz)];
         let name = format!("p4-loop-{frequency}hz");
-        let run = response_of(machines::P4, axis, &name, &settings, 1.0)?;
+        let run = axis_driven(machines::P4, axis, &name, &settings, 1.0)?;
         Ok(Self { from: run.command.len() - 3000, run })
     }
 
@@ -63,7 +64,7 @@ impl Loops {
 /// The same for 2 s at 0.1 ms, whatever the frequency: a record beside those of the other frequencies.
 fn together(axis: usize, frequency: &str) -> anyhow::Result<Response> {
     let settings = [("sample_time", 1e-4), ("duration", 2.0)];
-    response_of(machines::P4, axis, &format!("p4-loop-{frequency}hz"), &settings, 1.0)
+    axis_driven(machines::P4, axis, &format!("p4-loop-{frequency}hz"), &settings, 1.0)
 }
 
 /// What the command's rates are taken over.

@@ -17,31 +17,8 @@ pub use nv200::Nv200Instrument;
 use self::generator::{Generator, Recorder, Seen, Source};
 use self::inputs::Inputs;
 use self::servo::{Notch, Servo};
-use super::plant::{Plant, PlantError};
-
-/// An instrument as its client sees it.
-pub trait Instrument: std::fmt::Debug {
-    /// Takes bytes of the client; the return value is what is answered.
-    fn receive(&mut self, bytes: &[u8]) -> Vec<u8>;
-
-    /// One step of servo and plant.
-    ///
-    /// # Errors
-    /// The plant failed.
-    fn step(&mut self) -> Result<(), PlantError>;
-
-    /// Power off and on.
-    fn reboot(&mut self);
-
-    /// The client is gone: half a line is none.
-    fn hang_up(&mut self);
-
-    /// Commands and questions so far.
-    fn commands(&self) -> u64;
-
-    /// Targets and servo states, axis by axis.
-    fn targets(&self) -> Vec<(f64, bool)>;
-}
+use crate::gateway::Instrument;
+use crate::plant::{Plant, PlantError};
 
 /// Share of the error that one step of the servo takes away from a plant without dynamics, at most, and its rate in 1/s:
 /// slow enough for any stage.

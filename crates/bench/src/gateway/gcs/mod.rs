@@ -20,8 +20,8 @@ pub use station::GcsStation;
 pub use text::{error_text, numbers};
 
 use super::device::{Device, Exchanged};
-use super::instrument::Protocol;
 use super::line::{Broken, Line, Options};
+use super::protocol::Protocol;
 
 /// The port of PI's controllers.
 pub const PORT: u16 = 50_000;

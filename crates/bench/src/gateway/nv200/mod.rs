@@ -15,8 +15,8 @@ use std::time::Duration;
 pub use station::Nv200Station;
 
 use super::device::{Device, Exchanged};
-use super::instrument::Protocol;
 use super::line::{Broken, Line, Options};
+use super::protocol::Protocol;
 
 /// The port of the instrument's network module.
 pub const PORT: u16 = 23;

@@ -20,8 +20,7 @@ use super::{Aim, Effort, Order, Reproduction, Row};
 use crate::Tool;
 use crate::keep::UNITS;
 use crate::machines;
-use crate::matching;
-use crate::reproduce::Response;
+use crate::matching::{self, Response};
 use crate::reproduce::figures::{Chapter, Runs, open_loop};
 use crate::reproduce::p3::{COUNT, SEARCH, Training, group, series, top};
 

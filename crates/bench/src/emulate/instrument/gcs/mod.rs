@@ -6,7 +6,7 @@ mod waves;
 
 use super::generator::{Recorder, Seen};
 use super::{Axis, Instrument, Signals, Stage, Travel};
-use crate::emulate::{Plant, PlantError};
+use crate::plant::{Plant, PlantError};
 
 /// The instrument.
 #[derive(Debug)]

@@ -16,7 +16,7 @@ mod recording;
 
 use super::generator::{Recorder, Seen};
 use super::{Instrument, Signals, Stage, Travel};
-use crate::emulate::{Plant, PlantError};
+use crate::plant::{Plant, PlantError};
 
 const XON: u8 = 0x11;
 /// Telnet: the two bytes behind it are for the terminal.

@@ -5,11 +5,11 @@ use crate::system::System;
 
 /// Slaves that are stepped together: one, or the slaves of a loop in the order of their places.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(in crate::algorithm) struct Group {
-    pub(in crate::algorithm) slaves: Vec<usize>,
+pub(super) struct Group {
+    pub(super) slaves: Vec<usize>,
     /// Places on the bus of the outputs whose values are guessed: those that feed the slave itself
     /// or one before it. Empty: no loop.
-    pub(in crate::algorithm) torn: Vec<usize>,
+    pub(super) torn: Vec<usize>,
 }
 
 /// The slaves of a group whose steps end together, as far as they wait for each other.
@@ -101,7 +101,7 @@ fn torn(system: &System, slaves: &[usize]) -> Vec<usize> {
 }
 
 impl Group {
-    pub(in crate::algorithm) fn is_loop(&self) -> bool {
+    pub(super) fn is_loop(&self) -> bool {
         !self.torn.is_empty()
     }
 

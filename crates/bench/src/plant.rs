@@ -1,4 +1,4 @@
-//! The plant FMU as the emulator sees it.
+//! The plant FMU that the emulator plays.
 
 use cosim::{Experiment, Selection, Slave};
 use thiserror::Error;

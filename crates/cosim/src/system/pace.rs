@@ -1,9 +1,8 @@
 //! Slaves that step more rarely than the system communicates.
 
-use crate::algorithm::Algorithm;
+use super::System;
 use crate::problem::Problem;
 use crate::slave::Slave;
-use crate::system::System;
 use crate::time::Points;
 
 /// How often a slave steps.
@@ -78,10 +77,15 @@ impl System {
         self.paced = true;
     }
 
-    /// Lets slow slaves step when, and the wires from them begin where the algorithm wants.
-    pub(crate) fn look_ahead(&mut self, algorithm: &dyn Algorithm) {
+    /// Lets slow slaves step late, and the wires from a source to a target begin at what it has reached, where
+    /// the algorithm wants it so.
+    pub(crate) fn look_ahead(
+        &mut self,
+        steps_late: impl Fn(usize) -> bool,
+        looks_ahead: impl Fn(usize, usize) -> bool,
+    ) {
         for (slave, participant) in self.participants.iter_mut().enumerate() {
-            participant.pace.late = participant.pace.every > 1 && algorithm.steps_late(slave);
+            participant.pace.late = participant.pace.every > 1 && steps_late(slave);
         }
         let pairs = |system: &System, source: usize| {
             system.participants.get(source).map(|p| p.pace.places.clone()).unwrap_or_default()
@@ -89,7 +93,7 @@ impl System {
         for source in (0..self.len()).filter(|_| self.paced) {
             for (reached, seen) in pairs(self, source) {
                 for (target, participant) in self.participants.iter_mut().enumerate() {
-                    let ahead = algorithm.looks_ahead(source, target);
+                    let ahead = looks_ahead(source, target);
                     for wire in &mut participant.wires {
                         if wire.from == reached || wire.from == seen {
                             wire.from = if ahead { reached } else { seen };
