@@ -1,6 +1,7 @@
 //! The cycle allocates nothing and takes no lock.
 #![allow(clippy::print_stdout)]
 
+#[path = "../common/mod.rs"]
 mod common;
 
 use std::path::Path;
