@@ -1,10 +1,10 @@
 //! Axes that act on each other: what their couplings do at rest, as a Jacobian.
 
 use data::CheckedBlueprint;
-use model::{Connections, CouplingSpec, Kind, NodeSpec, System, SystemSpec};
+use model::{Connections, CouplingSpec, Kind, NodeSpec, Role, System, SystemSpec};
 use nalgebra::DMatrix;
 
-use crate::linearised::{LIGHT, settled_impulse, small, values, varied};
+use crate::linearised::{LIGHT, settled_impulse, small, values_of, varied};
 use crate::path::Path;
 use crate::probe::{bare, straight};
 
@@ -225,9 +225,12 @@ impl Group {
         };
         let couplings = plant.spec().connections.couplings.iter().filter(joined);
         couplings
-            .flat_map(|c| values(&c.node, "frequency").into_iter().zip(values(&c.node, "damping")))
-            .filter(|(_, damping)| *damping < LIGHT)
-            .map(|(frequency, _)| frequency)
+            .flat_map(|c| {
+                let damping = values_of(&c.node, Role::Damping);
+                values_of(&c.node, Role::Frequency).iter().zip(damping)
+            })
+            .filter(|(_, damping)| **damping < LIGHT)
+            .map(|(frequency, _)| *frequency)
             .collect()
     }
 

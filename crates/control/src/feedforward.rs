@@ -7,11 +7,11 @@ use identify::learned::learned_inverse;
 use identify::{
     Columns, Dynamics, Methods, Observer, Record, Search, Settings, Silent, Target, identify,
 };
-use model::{Conversion, Declaration, Inverse, NodeSpec, Shape, Table, Undoing};
+use model::{Conversion, Declaration, Inverse, NodeSpec, Role, Shape, Table, Undoing};
 
 pub use self::way::Feedforward;
 use crate::curve::Curve;
-use crate::linearised::{setting, values};
+use crate::linearised::{setting, values, values_of};
 use crate::path::{Nature, Part, Path, at_rest};
 
 /// Models that are fitted to what an axis does where it has no inverse of its own; all have one in closed form.
@@ -279,8 +279,9 @@ fn creep(path: &Path) -> Vec<ComponentBlueprint> {
 /// The inverse of an operator with the gains around it put into its parameters: `g P_r[a u] = g a P_{r/a}[u]`
 /// for a > 0. `None` where it is none, or what stands around it is more than gains.
 fn folded(path: &Path, inverse: Inverse) -> Option<Result<ComponentBlueprint, String>> {
-    let names: Vec<&str> =
-        path.actuator.component.declaration().parameters.iter().map(|q| q.name).collect();
+    let node = &path.actuator;
+    let roles: Vec<Option<Role>> =
+        node.component.declaration().parameters.iter().map(|q| q.role).collect();
     let gain = |map: &Curve| {
         let (gain, offset) = map.line()?;
         let height = map.value.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
@@ -290,20 +291,22 @@ fn folded(path: &Path, inverse: Inverse) -> Option<Result<ComponentBlueprint, St
     if path.after.iter().any(|part| part.nature == Nature::Creep) {
         return None;
     }
-    let own = |name: &str| values(&path.actuator, name);
-    let offset = last * own("offset").first().copied().unwrap_or(0.0);
-    match &names[..] {
-        ["gain", "offset"] => {
-            let slope = own("gain").first().copied().unwrap_or(0.0) * first * last;
+    let offset = last * values(node, "offset").first().copied().unwrap_or(0.0);
+    match &roles[..] {
+        [Some(Role::Slope), None] => {
+            let own = values_of(node, Role::Slope).first().copied().unwrap_or(0.0);
+            let slope = own * first * last;
             let component = ComponentBlueprint::new(inverse.kind).value("gain", 1.0 / slope);
             Some(Ok(component.value("offset", offset)))
         }
-        ["r", "w", "offset"] if first > 0.0 => {
-            if let Some(obstacle) = obstacle(&path.actuator) {
+        [Some(Role::Threshold), Some(Role::Weight), None] if first > 0.0 => {
+            if let Some(obstacle) = obstacle(node) {
                 return Some(Err(obstacle));
             }
-            let r: Vec<f64> = own("r").iter().map(|r| r / first).collect();
-            let w: Vec<f64> = own("w").iter().map(|w| w * first * last).collect();
+            let thresholds = values_of(node, Role::Threshold).iter();
+            let r: Vec<f64> = thresholds.map(|r| r / first).collect();
+            let weights = values_of(node, Role::Weight).iter();
+            let w: Vec<f64> = weights.map(|w| w * first * last).collect();
             if last < 0.0 {
                 return None;
             }
@@ -316,7 +319,7 @@ fn folded(path: &Path, inverse: Inverse) -> Option<Result<ComponentBlueprint, St
 
 /// Why plays have no inverse.
 pub(crate) fn obstacle(node: &NodeSpec) -> Option<String> {
-    let (r, w) = (values(node, "r"), values(node, "w"));
+    let (r, w) = (values_of(node, Role::Threshold), values_of(node, Role::Weight));
     let plain = node.component.declaration().parameters.len() == 3;
     if r.is_empty() || r.len() != w.len() || !plain {
         return None;

@@ -1,6 +1,6 @@
 //! The linear parts of an axis with the hysteresis at its steepest slope, sampled with the controller's hold.
 
-use model::{AxisSpec, NodeSpec};
+use model::{AxisSpec, NodeSpec, Role};
 
 use crate::probe::{Probe, straight};
 
@@ -36,6 +36,12 @@ pub(crate) fn values(node: &NodeSpec, name: &str) -> Vec<f64> {
     let start: usize = (0..index).map(|i| declaration.length(i, &node.structure)).sum();
     let end = start + declaration.length(index, &node.structure);
     node.values.get(start..end).map(<[f64]>::to_vec).unwrap_or_default()
+}
+
+/// The values of the first parameter of a node with this role; empty where it has none.
+pub(crate) fn values_of(node: &NodeSpec, role: Role) -> &[f64] {
+    let declaration = node.component.declaration();
+    declaration.values_of(role, &node.structure, &node.values).unwrap_or_default()
 }
 
 /// The value of a structural setting of a node.

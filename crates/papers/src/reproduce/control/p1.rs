@@ -195,7 +195,7 @@ pub(super) fn run(
         command: COMMAND,
         start: zero,
         preview: 1,
-        law: "incremental-pid",
+        incremental: true,
         notch: None,
     };
     let response = impulse(&mut bed, [5.0, 0.5], PERIOD, 150, None)?;

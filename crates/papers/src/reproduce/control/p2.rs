@@ -247,8 +247,14 @@ pub(super) fn run(
         rise.chain(with_rest(&reference, 50)).collect()
     };
     let reference = lift(sine(TURNS));
-    let design =
-        Design { period: PERIOD, command: COMMAND, start: zero, preview: 1, law: "pid", notch };
+    let design = Design {
+        period: PERIOD,
+        command: COMMAND,
+        start: zero,
+        preview: 1,
+        incremental: false,
+        notch,
+    };
     let none = Gains::default();
     let part = 2.0 * turn as f64 / reference.len() as f64;
     let track = |feedforward: &[ComponentBlueprint], gains: &Gains| {

@@ -128,8 +128,14 @@ type Inverse = (usize, Vec<ComponentBlueprint>);
 /// PI with these gains, behind a compensator where there is one.
 fn control(tables: &Blueprint, start: f64, inverse: Option<&Inverse>, gains: &Gains) -> Blueprint {
     let preview = inverse.map_or(0, |(ahead, _)| *ahead);
-    let design =
-        Design { period: PERIOD, command: COMMAND, start, preview, law: "pid", notch: None };
+    let design = Design {
+        period: PERIOD,
+        command: COMMAND,
+        start,
+        preview,
+        incremental: false,
+        notch: None,
+    };
     design.controller(tables, inverse.map_or(&[][..], |(_, parts)| parts), gains)
 }
 

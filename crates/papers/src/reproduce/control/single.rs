@@ -13,8 +13,8 @@ pub(super) struct Design {
     pub(super) start: f64,
     /// Rows that the reference runs ahead.
     pub(super) preview: usize,
-    /// The law's type, `pid` or `incremental-pid`.
-    pub(super) law: &'static str,
+    /// Whether the PID is incremental, without a filter of its derivative.
+    pub(super) incremental: bool,
     /// What the command goes through at the end.
     pub(super) notch: Option<Notch>,
 }
@@ -73,13 +73,14 @@ impl Design {
         for component in feedforward {
             axis = axis.component(component.clone());
         }
-        let mut law = ComponentBlueprint::new(self.law)
+        let kind = if self.incremental { "incremental-pid" } else { "pid" };
+        let mut law = ComponentBlueprint::new(kind)
             .value("kp", gains.kp)
             .value("ki", gains.ki)
             .value("kd", gains.kd)
             .value("output_min", self.command.0)
             .value("output_max", self.command.1);
-        if self.law == "pid" {
+        if !self.incremental {
             law.set("derivative_filter", gains.derivative_filter);
         }
         let axis = axis.component(law);
