@@ -4,8 +4,9 @@
 //! y = y0 + Σ_ij w_ij γ_ij[u],   γ_ij on from u ≥ α_i, off from u ≤ β_j ≤ α_i,   w_ij ≥ 0
 //! ```
 //!
-//! L levels are n = L(L + 1)/2 relays. Weights by non-negative least squares; relays that switch at the same samples of
-//! all records cannot be told apart and have the same weight.
+//! L levels are n = L(L + 1)/2 relays. Weights by a fixed number of descents, weight by weight from zero: there are more
+//! relays than records tell apart, and an exact solution would put all weight on a few. Relays that switch at the same
+//! samples of all records have the same weight.
 
 use std::collections::HashMap;
 
@@ -88,7 +89,7 @@ impl Relays {
         }
         let mut members = vec![0.0_f64; columns.len()];
         group.iter().for_each(|number| members[*number] += 1.0);
-        let (shared, offset) = least_squares(&columns, &y);
+        let (shared, offset) = descended(&columns, &y);
         let weights = group.iter().map(|number| shared[*number] / members[*number]).collect();
         Self { levels, weights, offset }
     }
@@ -141,8 +142,8 @@ impl Relays {
     }
 }
 
-/// Weights ≥ 0 of columns that are 1 at these rows, and an offset.
-fn least_squares(columns: &[Vec<usize>], y: &[f64]) -> (Vec<f64>, f64) {
+/// Weights ≥ 0 of columns that are 1 at these rows, and an offset, after [`SWEEPS`] descents from zero.
+fn descended(columns: &[Vec<usize>], y: &[f64]) -> (Vec<f64>, f64) {
     let (mut weights, mut offset) = (vec![0.0; columns.len()], 0.0);
     let mut left = y.to_vec();
     for _ in 0..SWEEPS {

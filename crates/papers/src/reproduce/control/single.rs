@@ -2,7 +2,7 @@
 
 use control::Gains;
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, SignalBlueprint, Value};
-use model::Kind;
+use model::{Component as _, Kind, Tick};
 
 use super::bed::{Bed, Tracked};
 
@@ -19,7 +19,7 @@ pub(super) struct Design {
     pub(super) notch: Option<Notch>,
 }
 
-/// The component `notch` of full depth, as a filter of a sampled signal too.
+/// The component `notch` of full depth.
 #[derive(Clone, Copy)]
 pub struct Notch {
     /// In Hz.
@@ -34,20 +34,22 @@ impl Notch {
         notch.value("damping", self.damping).value("depth", 0.0)
     }
 
-    /// As `component`, on samples, from rest at `first`.
-    pub(super) fn filter(self, period: f64, first: f64) -> impl FnMut(f64) -> f64 {
-        let w = (std::f64::consts::PI * self.frequency * period).tan();
-        let (square, broad) = (w * w, 2.0 * self.damping * w);
-        let sum = 1.0 + square + broad;
-        let (b0, b1) = ((1.0 + square) / sum, 2.0 * (square - 1.0) / sum);
-        let a2 = (1.0 + square - broad) / sum;
-        let (mut newer, mut older) = ((1.0 - b0) * first, (b0 - a2) * first);
-        move |u| {
-            let y = b0 * u + newer;
-            newer = b1 * (u - y) + older;
-            older = b0 * u - a2 * y;
-            y
-        }
+    /// The component on the samples of a signal, from rest at `first`.
+    fn filter(self, period: f64, first: f64) -> anyhow::Result<impl FnMut(f64) -> f64> {
+        let notch = components::control::Notch;
+        let sizes = notch.sizes(&[], period);
+        let (mut coefficients, mut state) =
+            (vec![0.0; sizes.coefficients], vec![0.0; sizes.states]);
+        notch
+            .prepare(&[], &[self.frequency, self.damping, 0.0], period, &mut coefficients)
+            .map_err(|violation| anyhow::anyhow!("notch: {violation}"))?;
+        notch.rest(&coefficients, &[first], &mut state, &mut [first]);
+        Ok(move |u| {
+            let mut y = [u];
+            let tick = Tick { index: 0, time: 0.0, period };
+            notch.step(&coefficients, &mut state, tick, &[u], &mut y);
+            y[0]
+        })
     }
 }
 
@@ -110,13 +112,13 @@ fn behind<'a>(
     notch: Option<Notch>,
     period: f64,
     middle: f64,
-) -> impl FnMut(f64) -> Result<f64, identify::Error> + 'a {
-    let mut filter = notch.map(|notch| notch.filter(period, middle));
-    move |u| {
+) -> anyhow::Result<impl FnMut(f64) -> Result<f64, identify::Error> + 'a> {
+    let mut filter = notch.map(|notch| notch.filter(period, middle)).transpose()?;
+    Ok(move |u| {
         let u = filter.as_mut().map_or(u, |filter| filter(u));
         let moved = bed.step(&[u]).map(|p| p[0]);
         moved.map_err(|e| identify::Error::Tuning { message: format!("{e:#}") })
-    }
+    })
 }
 
 /// The impulse response of a bed's only axis about a command.
@@ -128,7 +130,7 @@ pub fn impulse(
     notch: Option<Notch>,
 ) -> anyhow::Result<Vec<f64>> {
     bed.rest(&[middle], period)?;
-    let mut machine = behind(bed, notch, period, middle);
+    let mut machine = behind(bed, notch, period, middle)?;
     Ok(control::impulse_of(&mut machine, [middle, amplitude], samples, 4)?)
 }
 
@@ -140,7 +142,7 @@ pub(super) fn ultimate(
     notch: Option<Notch>,
 ) -> anyhow::Result<control::Ultimate> {
     bed.rest(&[point[0]], period)?;
-    let mut machine = behind(bed, notch, period, point[0]);
+    let mut machine = behind(bed, notch, period, point[0])?;
     Ok(control::relay(&mut machine, period, point, 20)?)
 }
 
