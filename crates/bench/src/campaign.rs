@@ -280,7 +280,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_problem_of_a_campaign_is_told() {
+    fn every_problem_of_a_campaign_is_reported() {
         let text = "[[case]]\nname = \"a\"\nexpect = { state = \"safe\", reason = \"finished\" }\n\
                     at = []\n[[case.fault]]\nkind = \"loss\"\nprobability = 2\n\
                     [[case]]\nname = \"b\"\nexpect = { state = \"fault\", reason = \"power-lost\" }\n\

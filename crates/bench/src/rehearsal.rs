@@ -42,7 +42,7 @@ impl Rehearsal {
         Rehearsal { cycle, emulator, period_ns, runner_end, machine_end, next: 0, record: None }
     }
 
-    /// As `new`, with its rows kept from the first cycle that is not idle, as `bench run` keeps them.
+    /// Keeps its rows from the first cycle that is not idle, as `bench run` does.
     #[must_use]
     pub fn recorded(mut self) -> Self {
         self.record = Some(Vec::new());

@@ -30,7 +30,7 @@ fn every_fault_ends_as_expected_within_its_deadline() {
 }
 
 #[test]
-fn an_end_that_is_not_the_expected_one_is_told() {
+fn an_end_that_is_not_the_expected_one_is_reported() {
     let text = |expect: &str| {
         format!(
             "[[case]]\nname = \"lost\"\nat = [300]\nexpect = {{ {expect} }}\n\

@@ -68,7 +68,7 @@ fn damage(dice: &mut Dice, bytes: &mut [u8], length: usize) -> usize {
 }
 
 /// What is read is what stands there.
-fn says_the_same(header: &Header, values: &[f64], bytes: &[u8]) {
+fn is_written_as(header: &Header, values: &[f64], bytes: &[u8]) {
     let mut again = [0; MAX_BYTES];
     let total = encode(header, values, &mut again);
     assert_eq!(total, bytes.len());
@@ -110,7 +110,7 @@ fn no_packet_panics_and_each_is_counted_once() {
         match decode(found, Kind::Measurement, &mut values) {
             Ok(header) => {
                 read += 1;
-                says_the_same(&header, &values, found);
+                is_written_as(&header, &values, found);
             }
             Err(error) => {
                 assert_eq!(values, [7.0; CHANNELS], "a refused packet leaves the values alone");
@@ -179,8 +179,8 @@ fn no_keyed_packet_is_taken_that_was_not_sent() {
         let length = encode(&header, &[1.0; CHANNELS], &mut command);
         assert!(runner.send(&command[..length]));
         let length = tap.receive(&mut bytes).expect("what was sent");
-        let is_whole = dice.one_in(2);
-        if is_whole {
+        let is_undamaged = dice.one_in(2);
+        if is_undamaged {
             wire.send(&bytes[..length]);
             complete += u64::from(number > 0);
         } else {
@@ -194,7 +194,7 @@ fn no_keyed_packet_is_taken_that_was_not_sent() {
             wire.send(old);
             twice += 1;
         }
-        if is_whole {
+        if is_undamaged {
             let place = dice.below(64);
             recorded.truncate(64);
             recorded.insert(place.min(recorded.len()), bytes[..length].to_vec());

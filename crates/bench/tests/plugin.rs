@@ -67,7 +67,7 @@ fn built(folder: &Path, name: &str, define: &[&str]) -> Option<PathBuf> {
 }
 
 #[test]
-fn nonsense_of_a_library_ends_in_the_safe_state_and_is_told() {
+fn nonsense_of_a_library_ends_in_the_safe_state_and_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let Some(library) = built(folder.path(), "card.so", &["-DWHICH=1"]) else { return };
     use Reason::{Finished, PowerLost, SampleInvalid, SampleLost, SampleNotFinite};

@@ -220,7 +220,7 @@ fn failures_of_the_controller_are_replayed_too() {
 }
 
 #[test]
-fn rows_that_are_missing_are_told() {
+fn rows_that_are_missing_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let mut record = rehearse(controller(AXES, law()), Script::default(), 500);
     let width = columns_here().len();

@@ -45,7 +45,7 @@ pub(crate) fn late(controller: &CheckedBlueprint, axis: usize) -> usize {
 /// Runs plant and controller along `references[axis][point]`, `period` s apart.
 ///
 /// # Errors
-/// As [`simulate_loop`].
+/// [`Error::Model`] where the two do not fit together or one leaves its range.
 pub fn along(
     plant: &CheckedBlueprint,
     controller: &CheckedBlueprint,

@@ -77,7 +77,7 @@ pub struct DampingFigures {
     pub closed_loop_bandwidth: f64,
     /// The least of these over all plants of the grid.
     pub least_closed_loop_bandwidth: f64,
-    /// As `least_closed_loop_bandwidth`, from reference to position with the inverse feedforward, on the plant as given.
+    /// The least bandwidth from reference to position with the inverse feedforward, in Hz, on the plant as given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bandwidth_with_feedforward: Option<f64>,
     /// Time in s after which a step stays within 2 %: plant as given, mean slope.
@@ -89,7 +89,7 @@ pub struct DampingFigures {
     pub notch_settling: Option<(f64, f64)>,
     /// Greatest response to a disturbance of the command, |G·S|, over that at rest at the steepest slope, all plants.
     pub peak: f64,
-    /// As `peak`, without control.
+    /// Greatest response to a disturbance of the command without control, over that at rest.
     pub undamped_peak: f64,
     /// Standard deviation of the command, as a position, per standard deviation of white sensor noise.
     pub noise: f64,

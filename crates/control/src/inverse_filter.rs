@@ -42,11 +42,11 @@ impl InverseFilter {
         let first = numerator.first().copied().unwrap_or(1.0);
         let tail: Vec<f64> = numerator.iter().skip(1).map(|b| b / first).collect();
         let zeros = Arx { b: vec![1.0], a: tail }.poles();
-        let may_be_undone = |z: &Complex<f64>| {
+        let is_cancelled = |z: &Complex<f64>| {
             let size = z.norm();
             size < RINGING || size < ON_CIRCLE && z.re > 0.0
         };
-        let (cancelled, left): (Vec<_>, Vec<_>) = zeros.into_iter().partition(may_be_undone);
+        let (cancelled, left): (Vec<_>, Vec<_>) = zeros.into_iter().partition(is_cancelled);
         let mut a = vec![Complex::new(1.0, 0.0)];
         for zero in cancelled {
             a.push(Complex::new(0.0, 0.0));
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn lag_and_creep_are_undone_exactly() {
+    fn lag_and_creep_are_cancelled_exactly() {
         let creep = Arx { b: vec![1.02, -1.0198], a: vec![-0.9998] };
         let linear = Arx::lag(20.0, PERIOD).then(&creep);
         assert!(error(&linear, 40.0) < 1e-6);
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn delay_and_zeros_beyond_the_circle_are_made_up_for() {
+    fn delay_and_zeros_beyond_the_circle_are_compensated() {
         let late = Arx { b: vec![0.0, 0.3, 0.6], a: vec![-0.1] };
         let cancelled = InverseFilter::of(&late, PERIOD);
         assert!(

@@ -39,8 +39,8 @@ use nalgebra::Complex;
 const DENSITY: usize = 150;
 /// Decades below half the sample rate.
 const DECADES: usize = 5;
-/// Additional frequencies around each mode.
-const AROUND_MODE: usize = 200;
+/// Additional frequencies near each mode.
+const NEAR_MODE: usize = 200;
 /// Width of the part around a mode, relative to its frequency.
 const MODE_WIDTH: f64 = 0.25;
 /// Factors between the gains that are tried: coarsely up to the limit, then finely below it.
@@ -129,9 +129,9 @@ impl Response {
             .collect();
         for mode in modes {
             let centre = TAU * mode * period;
-            let offset = |k: usize| 2.0 * k as f64 / AROUND_MODE as f64 - 1.0;
+            let offset = |k: usize| 2.0 * k as f64 / NEAR_MODE as f64 - 1.0;
             // Denser towards the mode.
-            let near = (0..=AROUND_MODE).map(|k| centre * (1.0 + MODE_WIDTH * offset(k).powi(3)));
+            let near = (0..=NEAR_MODE).map(|k| centre * (1.0 + MODE_WIDTH * offset(k).powi(3)));
             angles.extend(near.filter(|angle| *angle < PI));
         }
         angles.sort_by(f64::total_cmp);
@@ -145,7 +145,7 @@ impl Response {
         Self { angles: self.angles.clone(), values, period: self.period }
     }
 
-    /// The same plant without the period of delay: the command acts at once.
+    /// The plant without the period of delay: the command acts at once.
     pub(super) fn at_once(&self) -> Self {
         let ahead = self.angles.iter().map(|angle| Complex::from_polar(1.0, *angle));
         let values = self.values.iter().zip(ahead).map(|(value, ahead)| value * ahead).collect();
@@ -267,7 +267,7 @@ mod tests {
     const LIMITS: Limits = Limits { sensitivity: 1.5, noise: 100.0 };
 
     #[test]
-    fn an_integral_loop_around_one_sample_of_delay_meets_its_sensitivity_exactly() {
+    fn an_integral_loop_over_one_sample_of_delay_meets_its_sensitivity_exactly() {
         // L = k z⁻²/(1 − z⁻¹), k = ki·T·g: the limit of stability is k = 1.
         let plant = Response::new(&[2.0], 0.01, &[]);
         let found = shape(&[plant], INTEGRAL, 2.0, LIMITS).expect("shaped");

@@ -91,7 +91,7 @@ pub struct AxisResponses {
 /// What a controller of [`invert`](crate::invert) does on its plant.
 ///
 /// # Errors
-/// As [`invert`](crate::invert).
+/// [`Error::NotInvertible`] with every reason on every axis; [`Error::Model`] where the plant does not run.
 pub fn responses(
     plant: &CheckedBlueprint,
     controller: &CheckedBlueprint,

@@ -126,7 +126,7 @@ fn a_coupling_that_the_jacobian_decouples_exactly_gives_the_loop_of_a_single_mod
 }
 
 #[test]
-fn what_does_not_suit_is_said() {
+fn what_does_not_suit_is_reported() {
     let say = |plant: &CheckedBlueprint, settings: ControlSettings| {
         invert(plant, &settings, &mut Silent).expect_err("refused").to_string()
     };

@@ -54,7 +54,7 @@ fn follows(name: &str, plant: &CheckedBlueprint, looped: f64, alone: f64) -> Inv
 }
 
 #[test]
-fn every_hysteresis_is_undone_by_what_its_component_declares() {
+fn every_hysteresis_is_inverted_by_what_its_component_declares() {
     let bouc_wen = |delta: f64| {
         let values =
             [("gain", 0.06), ("alpha", 0.2), ("beta", 0.02), ("gamma", 0.01), ("delta", delta)];
@@ -104,7 +104,7 @@ fn every_hysteresis_is_undone_by_what_its_component_declares() {
 }
 
 #[test]
-fn curves_of_amplifier_and_sensor_and_creep_are_undone_not_dropped() {
+fn curves_of_amplifier_and_sensor_and_creep_are_inverted_not_dropped() {
     let creep = ComponentBlueprint::new("kelvin-voigt-creep")
         .value("share", [0.03, 0.03])
         .value("time_constant", [0.1, 3.0]);
@@ -257,7 +257,7 @@ fn axes_that_optics_couple_get_the_coordinator() {
 }
 
 #[test]
-fn other_couplings_are_decoupled_at_rest_and_what_remains_is_said() {
+fn other_couplings_are_decoupled_at_rest_and_what_remains_is_reported() {
     let cross = ComponentBlueprint::new("displacement-coupling")
         .value("matrix", matrix([[0.0, 0.1], [-0.2, 0.0]]));
     let found = follows("displacement", &mirror(cross, ""), 1e-4, 1e-3);

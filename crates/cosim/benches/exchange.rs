@@ -16,7 +16,7 @@ const STEPS: usize = 1_000_000;
 const H: f64 = 1e-3;
 const REPEATS: usize = 7;
 
-/// The same loop by hand in fmpy, ns per step and FMU; `None` where there is no Python with it.
+/// The closed loop by hand in fmpy, ns per step and FMU; `None` where there is no Python with it.
 fn fmpy(fmus: &common::Fmus) -> Option<f64> {
     let workspace = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2)?;
     let own = || workspace.join("target/python-env/bin/python");
@@ -71,7 +71,7 @@ fn best(mut run: impl FnMut()) -> f64 {
     nanoseconds.fold(f64::INFINITY, f64::min)
 }
 
-/// As `best`, by the bare C functions, in a C program.
+/// Best time of some repeats by the bare C functions, in a C program.
 fn bare(fmus: &common::Fmus) -> f64 {
     let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/bare.c");
     let program = fmus.path("bare");

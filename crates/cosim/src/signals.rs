@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn every_problem_of_a_table_is_told() {
+    fn every_problem_of_a_table_is_reported() {
         let signals = Signals::new(&[0.0, 0.0]).with("u", &[1.0]).with("v", &[1.0, f64::NAN]);
         let texts: Vec<String> = signals.problems(2).iter().map(ToString::to_string).collect();
         assert_eq!(texts.len(), 3, "{texts:?}");

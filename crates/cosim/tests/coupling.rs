@@ -164,7 +164,7 @@ fn units_are_converted_on_connections() {
 }
 
 #[test]
-fn every_problem_of_a_diagram_is_told() {
+fn every_problem_of_a_diagram_is_reported() {
     let fmus = fmus_or_skip!();
     let mut diagram = Diagram::new();
     diagram

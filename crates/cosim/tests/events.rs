@@ -217,7 +217,7 @@ fn connections_carry_whole_numbers_of_64_bits_as_they_are() {
 }
 
 #[test]
-fn a_clock_within_a_step_that_the_fmu_takes_as_a_whole_is_told() {
+fn a_clock_within_a_step_that_the_fmu_takes_as_a_whole_is_reported() {
     let fmus = fmus_or_skip!();
     let mut description = events3();
     if let Some(co_simulation) = &mut description.co_simulation {

@@ -165,7 +165,7 @@ fn a_library_without_the_needed_functions_is_refused_with_their_names() {
 }
 
 #[test]
-fn problems_of_table_and_steps_are_told_before_anything_runs() {
+fn problems_of_table_and_steps_are_reported_before_anything_runs() {
     let fmus = fmus_or_skip!();
     let fmu = fmus.integrator();
     let mut memory = Memory::new();

@@ -197,7 +197,7 @@ fn elements_of_arrays_are_fed_connected_and_recorded() {
 
 /// With k = -77 the FMU writes four values where it is asked for three.
 #[test]
-fn an_array_that_is_written_beyond_its_end_is_told() {
+fn an_array_that_is_written_beyond_its_end_is_reported() {
     let fmus = fmus_or_skip!();
     let mut slave = instance(&integrator3(&fmus), "p");
     for names in [&["y[1]", "y[2]", "y[3]"][..], &["y[2]"]] {
@@ -213,7 +213,7 @@ fn an_array_that_is_written_beyond_its_end_is_told() {
 }
 
 #[test]
-fn what_is_no_element_is_told() {
+fn what_is_no_element_is_reported() {
     let fmus = fmus_or_skip!();
     let fmu = integrator3(&fmus);
     let mut diagram = Diagram::new();
@@ -229,6 +229,6 @@ fn what_is_no_element_is_told() {
     let slave = instance(&fmu, "a");
     let selection = Selection::of(slave.description(), &["y[1]", "y[2]", "y[3]"]).expect("three");
     let [run] = selection.runs() else { panic!("one call reads all three") };
-    assert!(run.array.as_ref().is_some_and(|array| array.is_whole()));
+    assert!(run.array.as_ref().is_some_and(|array| array.is_complete()));
     assert!(Selection::of(slave.description(), &["y[9]"]).is_err());
 }

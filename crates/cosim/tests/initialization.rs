@@ -212,7 +212,7 @@ fn a_circle_is_solved_by_every_algorithm() {
 /// `x = 1 + y`, `y = x` has none: those who solve circles in steps refuse, the others begin with one
 /// pass and say so.
 #[test]
-fn a_circle_without_a_solution_is_told() {
+fn a_circle_without_a_solution_is_reported() {
     let built = || {
         let mut slaves =
             vec![Linear::new("x", 1.0, &[1.0], None), Linear::new("y", 0.0, &[1.0], None)];

@@ -55,7 +55,7 @@ fn instances_do_not_disturb_each_other_and_outlive_the_fmu() {
 }
 
 #[test]
-fn a_saved_state_is_the_whole_state() {
+fn a_saved_state_is_the_complete_state() {
     let fmus = fmus_or_skip!();
     let mut slave = started(&fmus.integrator(), "p");
     step_with(&mut *slave, 0.0, 3.0);

@@ -172,7 +172,7 @@ fn a_loop_is_iterated_across_processes() {
 }
 
 #[test]
-fn a_program_that_is_no_worker_is_told() {
+fn a_program_that_is_no_worker_is_reported() {
     let fmus = fmus_or_skip!();
     let path = fmus.pack("integrator", &common::integrator());
     // The FMU has no part in a process that does not start.

@@ -111,7 +111,7 @@ fn instances_come_and_go_without_growth() {
 }
 
 #[test]
-fn an_fmu_of_a_draft_is_said_to_be_one() {
+fn an_fmu_of_a_draft_is_named_as_one() {
     let _turn = alone();
     let fmus = fmus_or_skip!();
     let mut description = common::integrator3();

@@ -179,7 +179,7 @@ fn a_column_in_another_unit_is_converted() {
 }
 
 #[test]
-fn an_fmu_without_optional_functions_runs_and_is_made_anew_between_records() {
+fn an_fmu_without_optional_functions_runs_and_is_created_anew_between_records() {
     let fmus = fmus_or_skip!();
     let fmu = Fmu::open(fmus.pack("bare", &common::bare())).unwrap();
     assert!(fmu.missing_functions().contains(&"fmi2Reset"));

@@ -75,7 +75,7 @@ fn a_system_of_toml_is_an_ssp_and_runs_the_same() {
 }
 
 #[test]
-fn every_problem_of_a_toml_is_told_with_its_line() {
+fn every_problem_of_a_toml_is_reported_with_its_line() {
     let text = "nam = \"x\"\nstep = 0\nalgorithm = \"euler\"\norder = 3\n[fmus]\na = \"a.fmu\"\n\
                 b = { fil = \"b.fmu\" }\n[connections]\n\"a.u\" = \"c.y\"\n\"d.u\" = \"a.y\"\n\
                 \"a.v\" = { factor = \"two\" }\n[inputs]\n\"a.w\" = 3\n[record]\nx = \"a\"\n";

@@ -48,7 +48,7 @@ fn python() -> Option<PathBuf> {
 fn records_are_read_by_others_and_memory_does_not_grow() {
     numpy_reads_both_kinds();
     parquet_reads_back();
-    endings_are_checked_and_files_appear_whole();
+    endings_are_checked_and_files_appear_complete();
     memory_does_not_grow_with_the_run();
 }
 
@@ -107,7 +107,7 @@ fn parquet_reads_back() {
     println!("SKIPPED: built without the feature parquet");
 }
 
-fn endings_are_checked_and_files_appear_whole() {
+fn endings_are_checked_and_files_appear_complete() {
     let folder = tempfile::tempdir().unwrap();
     let wrong = RecordFile::create(&folder.path().join("run.mat")).err().unwrap().to_string();
     assert!(wrong.contains("run.mat: records are written as .csv, .npy, .npz"), "{wrong}");

@@ -38,7 +38,7 @@ pub struct Shrink {
     /// Root mean square of the held-out rows of the re-tuned model.
     #[serde(default)]
     pub rms_before: Option<f64>,
-    /// As `rms_before`, with the effects.
+    /// Root mean square of the held-out rows of the model with the effects.
     #[serde(default)]
     pub rms_after: Option<f64>,
 }

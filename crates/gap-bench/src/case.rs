@@ -14,7 +14,7 @@ const FAINT: [f64; 3] = [0.5, 1.0, 2.0];
 /// What the diagnosis is told about the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoiseHint {
-    /// Its standard deviation, off by this factor.
+    /// The standard deviation of the noise, off by this factor.
     Given(f64),
     /// A record at rest.
     Rest,

@@ -45,7 +45,7 @@ pub(crate) enum Content {
     /// One of the effects inside a box that its outside does not show: loops that are skewed or grow with the rate,
     /// and friction.
     Inside,
-    /// The same, and the effect's own candidate is taken out of the library.
+    /// An effect of `Inside` whose own candidate is taken out of the library.
     Removed,
     /// One of the effects that are counted apart.
     Apart,
@@ -55,7 +55,7 @@ pub(crate) enum Content {
     Several(usize),
     /// The weights of the model's plays are wrong.
     WrongWeights,
-    /// The same and an effect of 6 or 20 σ.
+    /// The weights of the model's plays are wrong, and there is an effect of 6 or 20 σ.
     WrongWeightsAndSingle,
     /// The model is a straight line, the machine has hysteresis.
     NoHysteresis,

@@ -99,9 +99,9 @@ impl Label {
         }
         // A simulation takes every log as read before its command acts, and an identified model is not the machine.
         let is_plain = case.order.timing == Timing::Before && !case.is_identified;
-        let is_foretold =
-            is_plain && case.order.effects.iter().all(|wish| wish.effect.is_foretold());
-        let missed = scene.unseen.iter().filter(|_| is_foretold).filter_map(|record| {
+        let is_predictable =
+            is_plain && case.order.effects.iter().all(|wish| wish.effect.is_predictable());
+        let missed = scene.unseen.iter().filter(|_| is_predictable).filter_map(|record| {
             record.missed.map(|rms| Miss { rms, rows: record.commands[0].len() })
         });
         let logs = scene.fit.iter().chain(&scene.held_out);

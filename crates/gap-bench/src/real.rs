@@ -273,7 +273,7 @@ impl Real {
     /// Writes the table and the summary.
     ///
     /// # Errors
-    /// As the writer's.
+    /// What the writer says.
     pub fn write_text(&self, out: &mut dyn Write) -> io::Result<()> {
         for m in &self.machines {
             let left = m.left.map_or("–".to_owned(), |left| format!("{left:.3}"));

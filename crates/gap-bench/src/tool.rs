@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_what_the_tool_said() {
+    fn errors_are_what_the_tool_reported() {
         let folder = tempfile::tempdir().unwrap();
         let tool = program(folder.path(), "echo \"error: no $2\" >&2; exit 2");
         let error = tool.diagnose(folder.path(), &["--model".into(), "m.toml".into()]);
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tool_that_dies_is_said_to() {
+    fn a_tool_that_dies_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let tool = program(folder.path(), "kill -9 $$");
         let error = tool.diagnose(folder.path(), &[]).unwrap_err();

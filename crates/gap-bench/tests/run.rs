@@ -137,13 +137,13 @@ fn the_tool_sees_a_model_logs_and_no_label() {
 fn realised_shrink_is_that_of_the_repaired_model_on_unseen_records() {
     let folder = tempfile::tempdir().unwrap();
     let all = outcomes(folder.path(), &Creep::default(), "single").unwrap();
-    let foretold: Vec<_> = all.iter().filter(|outcome| outcome.realised.is_some()).collect();
-    assert!(!foretold.is_empty() && foretold.len() < all.len());
-    for outcome in foretold {
+    let predictable: Vec<_> = all.iter().filter(|outcome| outcome.realised.is_some()).collect();
+    assert!(!predictable.is_empty() && predictable.len() < all.len());
+    for outcome in predictable {
         let (label, realised) = (outcome.label.as_ref().unwrap(), outcome.realised.unwrap());
         assert_eq!(realised.before, Miss::pooled(&label.missed));
         assert!((realised.after - 0.01).abs() < 1e-12);
         let effect = gap_machines::Effect::find(&label.effects[0].effect).unwrap();
-        assert!(effect.is_foretold(), "{}", effect.name());
+        assert!(effect.is_predictable(), "{}", effect.name());
     }
 }

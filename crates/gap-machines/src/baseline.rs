@@ -69,7 +69,7 @@ impl Baseline {
         }
     }
 
-    /// As `draw`, with a straight line in place of the plays.
+    /// The model with a straight line in place of its plays.
     #[must_use]
     pub fn linear(&self) -> Self {
         let weights = vec![self.weights.iter().sum()];
@@ -84,7 +84,7 @@ impl Baseline {
         self.scaled(&factors)
     }
 
-    /// As `off`, with each weight of the plays off by this standard deviation, far from tolerance.
+    /// The model with each weight of its plays off by this standard deviation, far from tolerance.
     #[must_use]
     pub fn with_wrong_weights(&self, deviation: f64, random: &mut Random) -> Self {
         let mut all = self.clone();
@@ -104,7 +104,7 @@ impl Baseline {
         all
     }
 
-    /// As `deviations`, with every parameter times its factor.
+    /// The model with every parameter times its factor.
     #[must_use]
     pub fn scaled(&self, factors: &[f64]) -> Self {
         let mut all = self.clone();

@@ -82,7 +82,7 @@ effects! {
     ClockOffset "clock_offset" None, 1e-8, 0.02;
     /// Rounding, or downwards with missing codes; magnitude: V.
     DacQuantisation "dac_quantisation" None, 1e-4, 80.0;
-    /// The same of the reading; magnitude: µm.
+    /// Rounding of the reading, or downwards with missing codes; magnitude: µm.
     SensorQuantisation "sensor_quantisation" None, 1e-5, 10.0;
     /// Mass, or stiffness; magnitude: relative shift of the frequency downwards.
     ResonanceShift "resonance_shift" Some("gain"), 1e-4, 0.9;
@@ -149,10 +149,10 @@ impl Effect {
         matches!(self, Self::SensorNoise | Self::SensorQuantisation | Self::InitialState)
     }
 
-    /// Whether a model of the machine can foretell it: it follows from the command alone, on the
+    /// Whether a model of the machine can predict it: it follows from the command alone, on the
     /// model's own clock.
     #[must_use]
-    pub fn is_foretold(self) -> bool {
+    pub fn is_predictable(self) -> bool {
         !matches!(
             self,
             Self::ThermalDrift

@@ -31,7 +31,7 @@ pub struct Wish {
 pub enum Setting {
     /// Experiments: several kinds of command.
     OpenLoop,
-    /// As `OpenLoop`, as references of a loop; the log has the command that the loop made.
+    /// Experiments in a loop, as its references; the log has the command that the loop gave.
     ClosedLoop,
     /// Production only: one log, nothing held out.
     Operation,

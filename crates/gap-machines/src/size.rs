@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn says_what_is_out_of_reach() {
+    fn names_what_is_out_of_reach() {
         let error = magnitude(Effect::ResonanceShift, 6.0, |m| m).unwrap_err();
         assert!((error.nearest - 0.9).abs() < 1e-9, "{error}");
         let jump = |m: f64| if m < 0.1 { 1.0 } else { 40.0 };

@@ -204,7 +204,7 @@ pub fn rms(a: &[f64], b: &[f64]) -> f64 {
     (squares.sum::<f64>() / a.len().max(1) as f64).sqrt()
 }
 
-/// As `rms`, with the mean difference taken out.
+/// Root mean square difference with its mean taken out.
 #[must_use]
 pub(crate) fn spread(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().max(1) as f64;

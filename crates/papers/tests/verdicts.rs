@@ -14,7 +14,7 @@ fn refuted(answer: &Reproduction) -> Vec<&str> {
     answer.orders.iter().filter(|order| !order.holds).map(|order| order.what.as_str()).collect()
 }
 
-/// As the machines' blueprints, they were fixed before any model ran on them.
+/// They were fixed before any model ran on them, like the machines' blueprints.
 #[test]
 fn waves_that_stand_in_are_frozen() {
     let mut hash = Sha256::new();

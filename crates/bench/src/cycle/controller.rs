@@ -41,7 +41,7 @@ pub enum ControllerError {
 
 /// A controller FMU of any vendor, stepped once per cycle.
 ///
-/// Its time is its own count of steps: n·h. A cycle that was missed is a sample that it does not
+/// The controller's time is its own count of steps: n·h. A cycle that was missed is a sample that it does not
 /// see, as for any controller on a real-time target.
 pub struct Controller {
     slave: Box<dyn Slave>,

@@ -441,7 +441,7 @@ mod tests {
     }
 
     #[test]
-    fn every_problem_is_told() {
+    fn every_problem_is_reported() {
         let text = "[[fault]]\nkind = \"loss\"\nprobability = 2\nfrom = 3\nto = 2\n\
                     [[fault]]\nkind = \"quantisation\"\nstep = 0\naxis = 0\n";
         let problems = Script::parse(text, "f.toml").unwrap_err().0;
@@ -462,7 +462,7 @@ mod tests {
     }
 
     #[test]
-    fn sensors_lie_as_told() {
+    fn sensors_lie_as_scripted() {
         let mut active = Active::default();
         let mut held = 0.25;
         assert_eq!(active.sense(0, 1.26, &mut held), 1.26);

@@ -83,7 +83,7 @@ pub enum Broken {
     Garbage(String),
     /// The instrument says no.
     #[error("{0}")]
-    Said(String),
+    Refused(String),
 }
 
 /// One exchange. After one whose answer did not come in time the late answer is awaited first (`settle`), so that it is not

@@ -397,7 +397,7 @@ mod tests {
     }
 
     #[test]
-    fn every_problem_is_told() {
+    fn every_problem_is_reported() {
         let text = "heartbeat = 0\nenable = { device = 0, byte = 1, bit = 9 }\n\
                     [[channel]]\noutput = { device = 0, byte = 0, type = \"i16\", scale = 0 }\n\
                     input = { device = 1, byte = 0, type = \"i16\" }\n\

@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn loopback_unless_told() {
+    fn loopback_unless_given() {
         let (runner, _, machine) = ends();
         let own = runner.local_address().unwrap();
         assert!(own.ip().is_loopback());

@@ -203,8 +203,8 @@ fn answer(mut stream: TcpStream, number: u64, peer: IpAddr, shared: &Shared) -> 
 fn request(stream: &mut TcpStream) -> io::Result<(Option<String>, Option<String>)> {
     let begin = Instant::now();
     let (mut head, mut piece) = (Vec::new(), [0; 1024]);
-    let is_whole = |head: &[u8]| head.windows(4).any(|end| end == b"\r\n\r\n");
-    while !is_whole(&head) {
+    let is_complete = |head: &[u8]| head.windows(4).any(|end| end == b"\r\n\r\n");
+    while !is_complete(&head) {
         let left = REQUEST.saturating_sub(begin.elapsed());
         if left.is_zero() || head.len() > HEAD {
             return Err(io::ErrorKind::TimedOut.into());

@@ -47,7 +47,7 @@ fn the_table_has_no_gap() {
 }
 
 #[test]
-fn what_does_not_fit_is_told() {
+fn what_does_not_fit_is_reported() {
     let good = packet(&[1.0, 2.0]);
     let decoded = |bytes: &[u8], channels: usize, kind: Kind| {
         decode(bytes, kind, &mut vec![0.0; channels]).unwrap_err()

@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn every_step_that_cannot_be_played_is_told() {
+    fn every_step_that_cannot_be_played_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("r.csv"), "time,x\n0,1\n1,2\n").unwrap();
         std::fs::write(folder.path().join("gap.json"), r#"{"next_experiment": null}"#).unwrap();

@@ -186,7 +186,7 @@ impl JournalReader {
     /// What the operating system says.
     pub fn block(&mut self) -> Result<Option<Vec<f64>>, JournalError> {
         let before = io::Seek::stream_position(&mut self.file).map_err(|e| self.failed(e))?;
-        let block = self.whole_block();
+        let block = self.complete_block();
         if block.is_none() {
             let length = self.file.get_ref().metadata().map_err(|e| self.failed(e))?.len();
             self.broken = length - before.min(length);
@@ -194,7 +194,7 @@ impl JournalReader {
         Ok(block)
     }
 
-    fn whole_block(&mut self) -> Option<Vec<f64>> {
+    fn complete_block(&mut self) -> Option<Vec<f64>> {
         let bytes = sized(&mut self.file, 8)?;
         let mut checksum = [0; 4];
         self.file.read_exact(&mut checksum).ok()?;

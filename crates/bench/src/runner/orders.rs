@@ -26,7 +26,7 @@ impl SharedOrders {
         self.stops.fetch_max(1, Ordering::Relaxed);
     }
 
-    /// The same, by Ctrl-C or a signal: the third one ends the run wherever the command is.
+    /// To go to the safe state and end, by Ctrl-C or a signal: the third one ends the run wherever the command is.
     pub fn interrupt(&self) {
         self.stops.fetch_add(1, Ordering::Relaxed);
     }

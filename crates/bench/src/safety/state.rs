@@ -27,7 +27,7 @@ pub enum State {
 #[serde(rename_all = "kebab-case")]
 #[repr(u8)]
 pub enum Reason {
-    /// As it should be.
+    /// All is as it should be.
     #[default]
     None = 0,
     /// Somebody stopped it.

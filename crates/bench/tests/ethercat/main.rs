@@ -161,7 +161,7 @@ fn a_silent_runner_leaves_safe_outputs_until_it_acknowledges() {
 }
 
 #[test]
-fn a_device_that_falls_out_of_op_and_power_that_goes_are_told() {
+fn a_device_that_falls_out_of_op_and_power_that_goes_are_reported() {
     let wire = wire();
     let ring = Arc::clone(&wire.ring);
     let mut runner = Runner::new(gateway(wire));
@@ -201,7 +201,7 @@ fn a_frame_that_is_lost_is_a_sample_that_is_lost() {
 }
 
 #[test]
-fn what_the_segment_does_not_have_is_told() {
+fn what_the_segment_does_not_have_is_reported() {
     let open = |wire: MemoryWire, text: &str| {
         let data: ProcessData = toml::from_str(text).unwrap();
         EthercatGateway::over(Box::new(wire), "eth9", &data, &[0.0; 2]).unwrap_err().to_string()

@@ -32,7 +32,7 @@ struct Law {
     summary: &'static str,
     /// What the loop is called.
     loop_name: &'static str,
-    /// Its component.
+    /// Type of the component.
     kind: &'static str,
     /// Bounds of the component's gains that are sought: gain over the plant's slope (or depth of the notch), frequency
     /// over the resonance, damping.

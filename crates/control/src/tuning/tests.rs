@@ -75,7 +75,7 @@ fn robust_gains_keep_their_sensitivity_and_reject_slow_disturbances() {
 }
 
 #[test]
-fn a_machine_that_does_not_move_is_told() {
+fn a_machine_that_does_not_move_is_reported() {
     let text = relay(&mut |_| Ok(1.0), T, [0.0, 1.0], 5).unwrap_err().to_string();
     assert!(text.contains("no more than its noise"), "{text}");
 }

@@ -12,7 +12,8 @@ use crate::slave::Selection;
 use crate::system::{Participant, System};
 use crate::unit::Conversion;
 
-/// As [`Jacobi`], but an input that is fed by an output moves over the step on a straight line,
+/// Steps all slaves side by side like [`Jacobi`], but an input that is fed by an output moves over
+/// the step on a straight line,
 /// `u(t) = y(t_k) + y'(t_k)·(t − t_k)`, with the slope that the output's FMU states
 /// (`fmi2GetRealOutputDerivatives` → `fmi2SetRealInputDerivatives`, order 1). The error of a smooth
 /// signal over a step h falls from O(h) to O(h²); at jumps of the output it is larger than that of

@@ -52,7 +52,7 @@ pub(super) fn groups(system: &System) -> Vec<Group> {
     groups_among(system, (0..system.len()).collect())
 }
 
-/// The same among some slaves, as if the others gave constants.
+/// The groups among some slaves, as if the others gave constants.
 fn groups_among(system: &System, among: Vec<usize>) -> Vec<Group> {
     let n = system.len();
     let mut reaches = vec![vec![false; n]; n];

@@ -12,7 +12,7 @@ use crate::system::System;
 pub enum Relaxation {
     /// `x ← x + ω·(y(x) − x)` with this ω; 1 is plain substitution.
     Fixed(f64),
-    /// As `Fixed`, with ω from the last two corrections, which solves a linear loop of one variable in
+    /// `x ← x + ω·(y(x) − x)` with ω from the last two corrections, which solves a linear loop of one variable in
     /// three passes (Aitken's Δ², as in Küttler and Wall, Comput. Mech. 43, 2008).
     Aitken,
 }

@@ -109,7 +109,7 @@ impl IsolatedSlave {
     }
 
     fn ask(&mut self, call: &str, request: &Request) -> Result<Answer, Error> {
-        self.tell(call, request)?;
+        self.post(call, request)?;
         let begin = Instant::now();
         let mut is_shorter = false;
         loop {
@@ -142,7 +142,7 @@ impl IsolatedSlave {
     }
 
     /// Sends without waiting.
-    fn tell(&mut self, call: &str, request: &Request) -> Result<(), Error> {
+    fn post(&mut self, call: &str, request: &Request) -> Result<(), Error> {
         if let Some(why) = &self.ended {
             return Err(self.ended(why));
         }
@@ -327,7 +327,7 @@ impl Slave for IsolatedSlave {
 
     fn set(&mut self, selection: &Selection, values: &[f64]) -> Result<(), Error> {
         let number = self.number(selection)?;
-        self.tell("Set…", &Request::Set(number, values.to_vec()))
+        self.post("Set…", &Request::Set(number, values.to_vec()))
     }
 
     fn get(&mut self, selection: &Selection, values: &mut [f64]) -> Result<(), Error> {

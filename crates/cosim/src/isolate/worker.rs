@@ -15,7 +15,7 @@ pub fn serve() -> io::Result<()> {
     unix::Server::new(socket)?.run()
 }
 
-/// As on Unix; elsewhere isolation is not offered.
+/// Isolation is offered on Unix only.
 ///
 /// # Errors
 /// Always.
@@ -191,12 +191,12 @@ mod unix {
             logging_on: bool,
         ) -> Result<(), Error> {
             let answers = Arc::clone(&self.answers);
-            let tell = move |message: &Message| {
+            let forward = move |message: &Message| {
                 let mut answers = answers.lock().unwrap_or_else(PoisonError::into_inner);
                 // A master that has gone hears nothing more.
                 let _ = send(&mut *answers, &Answer::message(message));
             };
-            let on_message: Option<fmi_bindings::import::OnMessage> = Some(Arc::new(tell));
+            let on_message: Option<fmi_bindings::import::OnMessage> = Some(Arc::new(forward));
             let options = InstanceOptions { visible, logging_on, on_message };
             self.slave = Some(fmu.instantiate(name, &options)?);
             Ok(())

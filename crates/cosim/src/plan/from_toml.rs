@@ -28,13 +28,14 @@ impl Plan {
     pub fn parse_toml(text: &str, origin: &Path) -> Result<Self, Error> {
         let mut reader = Reader::new(text, origin);
         let (document, errors) = DeTable::parse_recoverable(text);
-        for error in errors.iter().take(MOST_TOLD) {
+        for error in errors.iter().take(MOST_REPORTED) {
             let rule = format!("is not valid TOML: {}", error.message());
             let at = error.span().map_or(0, |span| span.start);
             reader.report(at, "", "", &rule, "correct this line");
         }
-        if errors.len() > MOST_TOLD {
-            let rule = format!("is not valid TOML in {} further places", errors.len() - MOST_TOLD);
+        if errors.len() > MOST_REPORTED {
+            let rule =
+                format!("is not valid TOML in {} further places", errors.len() - MOST_REPORTED);
             reader.report(0, "", "", &rule, "is this the file that you meant?");
         }
         let plan = reader.plan(document.get_ref(), origin);
@@ -52,8 +53,8 @@ impl Plan {
     }
 }
 
-/// Places that are no TOML and are told one by one.
-const MOST_TOLD: usize = 3;
+/// Places that are no TOML and are reported one by one.
+const MOST_REPORTED: usize = 3;
 
 type Value<'i> = Spanned<DeValue<'i>>;
 

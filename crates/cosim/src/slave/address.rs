@@ -67,7 +67,7 @@ impl Address {
         Address::find_by(slave, description, name, |name| description.variable(name))
     }
 
-    /// The same, where somebody finds the variables of a description faster.
+    /// [`Address::find`] with a faster way to find a variable of the description.
     pub(super) fn find_by<'d>(
         slave: &str,
         description: &'d ModelDescription,
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_element_is_told() {
+    fn what_is_no_element_is_reported() {
         for name in ["matrix[0,1]", "matrix[1,4]", "matrix[1]", "matrix[1,1,1]"] {
             let text = found(name).unwrap_err();
             assert!(text.contains("2 x 3 elements, counted from 1"), "{text}");

@@ -38,7 +38,7 @@ impl Arrays {
                 let begin = match starts(description, array) {
                     Some(starts) => starts,
                     // The FMU knows what is in an array that was given another size.
-                    None if array.is_whole() => vec![0.0; array.size],
+                    None if array.is_complete() => vec![0.0; array.size],
                     None => {
                         let mut found = vec![0.0; array.size];
                         let mut room = Room::of(instance.name(), description);
@@ -68,7 +68,7 @@ impl Arrays {
         array: &ArrayRun,
         values: &mut [f64],
     ) -> Result<bool, Error> {
-        if array.is_whole() {
+        if array.is_complete() {
             return read(instance, room, run.data_type, array.reference, values);
         }
         self.scratch.clear();

@@ -27,7 +27,7 @@ struct Period {
 /// What says when a time-based clock ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Kind {
-    /// Its period is known from the description.
+    /// The description states the period.
     Stated,
     /// The FMU says its period at initialization.
     Asked,

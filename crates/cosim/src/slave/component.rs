@@ -442,7 +442,7 @@ impl Slave for ComponentSlave {
                 None => {
                     self.write(run.data_type, &selection.references()[run.range.clone()], part)?
                 }
-                Some(array) if array.is_whole() => {
+                Some(array) if array.is_complete() => {
                     self.write(run.data_type, &[array.reference], part)?;
                 }
                 Some(array) => {

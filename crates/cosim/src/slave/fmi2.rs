@@ -91,7 +91,7 @@ impl Fmi2Slave {
             if run.data_type == DataType::Float64 {
                 instance.set_real(references, values)?;
             } else {
-                set_whole(instance, selection, run, values)?;
+                set_integers(instance, selection, run, values)?;
             }
         }
         Ok(())
@@ -108,7 +108,7 @@ impl Fmi2Slave {
                 let get = |room: &mut [f64]| instance.get_real(references, room);
                 self.room.read(GET_REAL, values, get)?;
             } else {
-                get_whole(instance, run.data_type, references, values)?;
+                get_integers(instance, run.data_type, references, values)?;
             }
         }
         Ok(())
@@ -309,7 +309,7 @@ impl Slave for Fmi2Slave {
 }
 
 /// Writes integers, enumerations or booleans.
-fn set_whole(
+fn set_integers(
     instance: &mut Instance,
     selection: &Selection,
     run: &TypeRun,
@@ -344,7 +344,7 @@ fn set_whole(
 }
 
 /// Reads integers, enumerations or booleans.
-fn get_whole(
+fn get_integers(
     instance: &mut Instance,
     data_type: DataType,
     references: &[u32],

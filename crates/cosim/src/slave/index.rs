@@ -25,7 +25,7 @@ impl Index {
         Rc::clone(entry.or_insert_with(|| Rc::new(places(description))))
     }
 
-    /// As [`ModelDescription::variable`].
+    /// The variable of this name; none where there is none.
     pub(crate) fn variable<'d>(
         &self,
         description: &'d ModelDescription,
@@ -34,7 +34,7 @@ impl Index {
         description.variables.get(*self.of(description).get(name)?)
     }
 
-    /// As [`Address::find`].
+    /// The variable of this name, or the element of an array ([`Address::find`]).
     pub(crate) fn find(
         &self,
         slave: &str,

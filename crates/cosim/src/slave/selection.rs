@@ -52,7 +52,7 @@ pub struct ArrayRun {
 
 impl ArrayRun {
     /// Whether these are all elements, in their order.
-    pub fn is_whole(&self) -> bool {
+    pub fn is_complete(&self) -> bool {
         self.indices.len() == self.size && self.indices.iter().enumerate().all(|(i, e)| i == *e)
     }
 }

@@ -161,14 +161,14 @@ pub(super) fn set_split(
     let references = selection.references()[run.range.clone()].chunks_exact(2);
     let names = selection.names()[run.range.clone()].chunks_exact(2);
     for ((references, names), values) in references.zip(names).zip(values.chunks_exact(2)) {
-        let is_whole = values.iter().all(|value| value.fract() == 0.0);
+        let is_integer = values.iter().all(|value| value.fract() == 0.0);
         let integer = values[0] as i128 + values[1] as i128;
         let references = &references[..1];
         match (run.data_type, u64::try_from(integer), i64::try_from(integer)) {
-            (DataType::UInt64, Ok(integer), _) if is_whole => {
+            (DataType::UInt64, Ok(integer), _) if is_integer => {
                 instance.set_uint64(references, &[integer])?;
             }
-            (DataType::Int64, _, Ok(integer)) if is_whole => {
+            (DataType::Int64, _, Ok(integer)) if is_integer => {
                 instance.set_int64(references, &[integer])?;
             }
             _ => {

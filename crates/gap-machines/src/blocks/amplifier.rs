@@ -13,7 +13,7 @@ pub(crate) struct SlewLimit {
 }
 
 impl SlewLimit {
-    /// The same limit in V/s both ways; reached at once.
+    /// One limit in V/s both ways; reached at once.
     pub(crate) fn hard(slope: f64, period: f64) -> Self {
         Self { up: slope * period, down: slope * period, is_soft: false, last: 0.0 }
     }

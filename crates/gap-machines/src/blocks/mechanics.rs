@@ -13,7 +13,7 @@ pub(crate) enum Force {
     Stiffness {
         /// Relative growth of the stiffness at full scale.
         cubic: f64,
-        /// The same, odd in x.
+        /// Relative growth of the stiffness at full scale, odd in x.
         quadratic: f64,
         /// Full scale X in µm.
         scale: f64,

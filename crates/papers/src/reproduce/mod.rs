@@ -50,7 +50,7 @@ pub enum Aim {
     Ratio {
         /// The paper's number over that of its baseline.
         paper: f64,
-        /// As `paper`, on our machine.
+        /// The method's number over that of its baseline on our machine.
         own: f64,
     },
     /// A method that the paper compares with; within 25 % the machine is as the paper's.
@@ -215,7 +215,7 @@ impl Reproduction {
         self.kept.append(part.kept);
     }
 
-    /// The same, of this part of a paper.
+    /// With the paper, its rig and its part.
     fn of(mut self, paper: &str, part: &'static str) -> Self {
         if let Some((paper, rig)) = RIGS.iter().find(|(known, _)| *known == paper) {
             (self.paper, self.rig) = (paper, rig);

@@ -426,11 +426,11 @@ fn inverse(
     let pruned = prune(&samples, settings, pruning, judge)?;
     let small = Machine { machine: pruned.model, frame: frame.clone() };
     let (name, count) = (method.name, small.machine.count());
-    let whole_answer = complete.simulate(&d.u, d.theta0);
+    let complete_answer = complete.simulate(&d.u, d.theta0);
     // The paper's is causal; what this machine is late by a stable filter cannot undo, so it looks ahead as little as it may.
     let cancelled = match ours {
-        true => linear(&d.theta, &whole_answer, PERIOD, 3),
-        false => (0..=3).find_map(|ahead| linear(&d.theta, &whole_answer, PERIOD, ahead)),
+        true => linear(&d.theta, &complete_answer, PERIOD, 3),
+        false => (0..=3).find_map(|ahead| linear(&d.theta, &complete_answer, PERIOD, ahead)),
     };
     let looks = match &cancelled {
         Some(cancelled) => {

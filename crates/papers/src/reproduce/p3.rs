@@ -174,7 +174,7 @@ impl Record {
         Self::scaled(name, settings, 1.0)
     }
 
-    /// As `new`, with all commands times a factor.
+    /// The record under the signal with all commands times a factor.
     fn scaled(name: &str, settings: &[(&str, f64)], factor: f64) -> anyhow::Result<Self> {
         let (u, period) = matching::signal(name, settings)?;
         let u: Vec<f64> = u.iter().map(|u| factor * u).collect();

@@ -61,7 +61,7 @@ impl Loops {
     }
 }
 
-/// The same for 2 s at 0.1 ms, whatever the frequency: a record beside those of the other frequencies.
+/// The loops of a frequency for 2 s at 0.1 ms, whatever the frequency: a record beside those of the other frequencies.
 fn together(axis: usize, frequency: &str) -> anyhow::Result<Response> {
     let settings = [("sample_time", 1e-4), ("duration", 2.0)];
     axis_driven(machines::P4, axis, &format!("p4-loop-{frequency}hz"), &settings, 1.0)

@@ -34,10 +34,10 @@ impl EthercatGateway {
         Self::over(Box::new(RawSocket::open(interface)?), interface, data, safe)
     }
 
-    /// As `open`, over any wire; `name` is what messages call it.
+    /// Finds the SubDevices on any wire; `name` is what messages call it.
     ///
     /// # Errors
-    /// As [`open`](Self::open).
+    /// [`GatewayError::Open`] where the SubDevices do not come up or do not fit the process data.
     pub fn over(
         wire: Box<dyn Wire>,
         name: &str,

@@ -75,7 +75,7 @@ impl GcsDevice {
         device.speech.open(PATIENCE)?;
         device.is_open = true;
         device.first(safe).map_err(|broken| match broken {
-            Broken::Said(text) => text,
+            Broken::Refused(text) => text,
             other => format!("it does not answer in GCS 2.0: {other}"),
         })?;
         Ok(device)
@@ -93,7 +93,7 @@ impl GcsDevice {
         }
         let known = self.options.axes.iter().all(|axis| has.contains(&axis.as_str()));
         if !known || self.options.axes.len() != safe.len() {
-            return Err(Broken::Said(format!(
+            return Err(Broken::Refused(format!(
                 "{}: has the axes {}, the run {} channels on {}; choose with ?axes=1,2",
                 self.identity,
                 has.join(", "),
@@ -108,14 +108,14 @@ impl GcsDevice {
         let axes = self.options.axes.iter().zip(&self.travel).zip(safe);
         for ((axis, (least, greatest)), safe) in axes {
             if !self.options.open_loop && !(*least..=*greatest).contains(safe) {
-                return Err(Broken::Said(format!(
+                return Err(Broken::Refused(format!(
                     "axis {axis} has a travel from {least} to {greatest}; the safe command {safe} of the plan is outside it: give safe and command_limits in [[axis]], in the instrument's unit"
                 )));
             }
         }
         let channels = self.options.analog.len();
         if channels > 0 && channels != safe.len() {
-            return Err(Broken::Said(format!(
+            return Err(Broken::Refused(format!(
                 "analog= names {channels} input signals for {} axes; give one for each",
                 safe.len()
             )));
@@ -134,7 +134,7 @@ impl GcsDevice {
             self.close();
             let text =
                 format!("another instrument answers: {}, not {}", identity.trim(), self.identity);
-            return Err(Broken::Said(text));
+            return Err(Broken::Refused(text));
         }
         if self.drives {
             let names = self.options.axes.join(" ");
@@ -144,7 +144,7 @@ impl GcsDevice {
                 self.restarted = true;
                 let state = if servo[axis] == 0.0 { "off" } else { "on" };
                 let name = &self.options.axes[axis];
-                return Err(Broken::Said(format!(
+                return Err(Broken::Refused(format!(
                     "the instrument has restarted, or somebody else works with it: the servo of axis \
                      {name} is {state}"
                 )));
@@ -240,7 +240,7 @@ impl Device for GcsDevice {
         match self.turn(enabled, commands, positions) {
             Ok(()) => Exchanged::Sample { valid: true, powered: true },
             // The instrument speaks, and says no: the line is good.
-            Err(Broken::Said(text)) => Exchanged::Failed(text),
+            Err(Broken::Refused(text)) => Exchanged::Failed(text),
             Err(Broken::Late | Broken::Garbage(_)) => {
                 self.close();
                 Exchanged::Nothing

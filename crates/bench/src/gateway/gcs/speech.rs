@@ -7,7 +7,7 @@ use crate::gateway::line::{Broken, Line};
 
 /// Longest answer that is believed, bytes.
 const LONGEST: usize = 16_384;
-/// The same of an array.
+/// Longest array that is believed, bytes.
 const LONGEST_ARRAY: usize = 64 << 20;
 
 /// A line, and what was read beyond the answer that was asked for.

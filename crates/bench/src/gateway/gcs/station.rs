@@ -113,7 +113,7 @@ impl GcsStation {
         answer.map_err(|broken| format!("{question}: {broken}"))
     }
 
-    fn tell(&mut self, command: &str) -> Result<(), String> {
+    fn send(&mut self, command: &str) -> Result<(), String> {
         let timeout = self.timeout;
         let answer = self.exchange(|speech| speech.command(command, timeout));
         answer.map_err(|broken| broken.to_string())
@@ -146,7 +146,7 @@ impl GcsStation {
 
     fn set_parameter(&mut self, id: u32, value: f64) -> Result<(), String> {
         let axis = self.axis.clone();
-        self.tell(&format!("SPA {axis} 0x{id:08X} {value:.9e}"))?;
+        self.send(&format!("SPA {axis} 0x{id:08X} {value:.9e}"))?;
         let found = self.parameter(&axis, id)?;
         // Parameters are single-precision numbers there.
         if (found - value).abs() > 1e-4 * value.abs().max(1e-12) {
@@ -158,9 +158,9 @@ impl GcsStation {
     /// Lets an input signal give the targets of the axis; 0: none.
     fn connect(&mut self, number: u32) -> Result<(), String> {
         let axis = self.axis.clone();
-        self.tell("CCL 1 advanced")?;
-        let done = self.tell(&format!("SPA {axis} 0x{SOURCE:08X} {number}"));
-        let level = self.tell("CCL 0");
+        self.send("CCL 1 advanced")?;
+        let done = self.send(&format!("SPA {axis} 0x{SOURCE:08X} {number}"));
+        let level = self.send("CCL 0");
         done.and(level)?;
         match self.connected()? {
             found if found == number => Ok(()),
@@ -176,29 +176,29 @@ impl GcsStation {
 
     fn configure(&mut self, wave: &Wave) -> Result<(), String> {
         let n = self.number;
-        self.tell(&format!("WGO {n} 0"))?;
-        self.tell(&format!("WCL {n}"))?;
+        self.send(&format!("WGO {n} 0"))?;
+        self.send(&format!("WCL {n}"))?;
         for (k, points) in wave.points.chunks(BUNCH).enumerate() {
             let append = if k == 0 { "X" } else { "&" };
             let values: Vec<String> = points.iter().map(|x| format!("{x:.6}")).collect();
             let (first, count) = (1 + k * BUNCH, points.len());
-            self.tell(&format!("WAV {n} {append} PNT {first} {count} {}", values.join(" ")))?;
+            self.send(&format!("WAV {n} {append} PNT {first} {count} {}", values.join(" ")))?;
         }
-        self.tell(&format!("WSL {n} {n}"))?;
-        self.tell(&format!("WTR {n} {} 0", wave.hold))?;
-        self.tell(&format!("WGC {n} {}", wave.cycles))?;
-        self.tell(&format!("WOS {n} 0"))?;
+        self.send(&format!("WSL {n} {n}"))?;
+        self.send(&format!("WTR {n} {} 0", wave.hold))?;
+        self.send(&format!("WGC {n} {}", wave.cycles))?;
+        self.send(&format!("WOS {n} 0"))?;
         self.record_every(wave.every)
     }
 
     /// What is recorded, and how often.
     fn record_every(&mut self, every: u32) -> Result<(), String> {
         let (n, axis) = (self.number, self.axis.clone());
-        self.tell(&format!("RTR {every}"))?;
+        self.send(&format!("RTR {every}"))?;
         // Target, voltage of the output channel, position.
-        self.tell(&format!("DRC 1 {axis} 1"))?;
-        self.tell(&format!("DRC 2 {n} 7"))?;
-        self.tell(&format!("DRC 3 {axis} 2"))
+        self.send(&format!("DRC 1 {axis} 1"))?;
+        self.send(&format!("DRC 2 {n} 7"))?;
+        self.send(&format!("DRC 3 {axis} 2"))
     }
 
     fn record(
@@ -282,22 +282,22 @@ impl Station for GcsStation {
 
     fn servo(&mut self, closed: bool) -> Result<(), String> {
         let axis = self.axis.clone();
-        self.tell(&format!("SVO {axis} {}", u8::from(closed)))
+        self.send(&format!("SVO {axis} {}", u8::from(closed)))
     }
 
     fn command(&mut self, closed: bool, value: f64) -> Result<(), String> {
         let name = if closed { "MOV" } else { "SVA" };
         let axis = self.axis.clone();
-        self.tell(&format!("{name} {axis} {value:.6}"))
+        self.send(&format!("{name} {axis} {value:.6}"))
     }
 
     fn run(&mut self, wave: &Wave) -> Result<Recorded, String> {
         let n = self.number;
         self.configure(wave)?;
-        self.tell(&format!("WGO {n} 1"))?;
+        self.send(&format!("WGO {n} 1"))?;
         let recorded = self.record((wave.rows, wave.every, wave.closed), &|| true);
-        self.tell(&format!("WGO {n} 0"))?;
-        self.tell("RTR 1")?;
+        self.send(&format!("WGO {n} 0"))?;
+        self.send("RTR 1")?;
         recorded
     }
 
@@ -324,7 +324,7 @@ impl Station for GcsStation {
         self.record_every(follow.every)?;
         let connected = if before == follow.input { Ok(()) } else { self.connect(follow.input) };
         let recorded = connected
-            .and_then(|()| self.tell("DRT 0 4 0"))
+            .and_then(|()| self.send("DRT 0 4 0"))
             .and_then(|()| self.record((follow.rows, follow.every, true), go_on));
         // Whatever has gone wrong: nothing stays connected that was not.
         let back = if before == follow.input { Ok(()) } else { self.connect(before) };
@@ -334,7 +334,7 @@ impl Station for GcsStation {
                 follow.input, self.axis
             )
         })?;
-        let rate = self.tell("RTR 1");
+        let rate = self.send("RTR 1");
         let recorded = recorded?;
         rate.map(|()| recorded)
     }
@@ -359,7 +359,7 @@ impl Station for GcsStation {
     }
 
     fn set_law(&mut self, law: &Law) -> Result<(), String> {
-        self.tell("CCL 1 advanced")?;
+        self.send("CCL 1 advanced")?;
         let mut done = self.set_parameter(P, law.kp.max(LEAST));
         done = done
             .and_then(|()| self.set_parameter(TI, if law.ki > 0.0 { 1.0 / law.ki } else { 0.0 }));
@@ -373,7 +373,7 @@ impl Station for GcsStation {
                 None => self.set_parameter(NOTCH_REJECTION[place], 1.0),
             });
         }
-        let level = self.tell("CCL 0");
+        let level = self.send("CCL 0");
         done.and(level)
     }
 
@@ -411,7 +411,7 @@ mod tests {
             let mut station = GcsStation::open(line, options).unwrap();
             assert_eq!(station.parameter("1", 0x0700_0301).ok(), found, "{late}");
             assert_eq!(station.number_of("TMX?"), Ok(100.0), "{late}");
-            assert_eq!(station.tell("SVO 1 1"), Ok(()), "{late}");
+            assert_eq!(station.send("SVO 1 1"), Ok(()), "{late}");
         }
     }
 }

@@ -32,8 +32,8 @@ pub(super) fn array(answer: &str) -> Option<(f64, Vec<Vec<f64>>)> {
         }
     }
     let count = entry("NDATA").and_then(|count| count.parse::<usize>().ok());
-    let is_whole = table.first().is_some_and(|column| count.is_none_or(|n| n == column.len()));
-    is_whole.then_some((sample_time, table))
+    let is_complete = table.first().is_some_and(|column| count.is_none_or(|n| n == column.len()));
+    is_complete.then_some((sample_time, table))
 }
 
 /// The numbers of an answer `1=+0.5 \n2=+1.5\n`, one for each of these axes in their order.
@@ -62,7 +62,7 @@ pub(super) fn error_of(answer: &str, command: &str) -> Result<(), Broken> {
     })?;
     match code {
         0 => Ok(()),
-        code => Err(Broken::Said(format!("{command}: GCS error {code}: {}", error_text(code)))),
+        code => Err(Broken::Refused(format!("{command}: GCS error {code}: {}", error_text(code)))),
     }
 }
 
@@ -116,7 +116,7 @@ mod tests {
         assert!(matches!(error_of("x\n", ""), Err(Broken::Garbage(_))));
     }
     #[test]
-    fn arrays_are_read_whole_or_not() {
+    fn arrays_are_read_complete_or_not() {
         let good = "# REM E-727 \n# TYPE = 1 \n# SEPARATOR = 32 \n# DIM = 2 \n# SAMPLE_TIME = 5e-05 \n# NDATA = 2 \n\
                     # NAME0 = a=b \n# END_HEADER \n1.5 -2 \n+0.5 3e-1\n";
         assert_eq!(array(good), Some((5e-5, vec![vec![1.5, 0.5], vec![-2.0, 0.3]])));

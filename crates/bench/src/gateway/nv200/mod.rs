@@ -103,7 +103,7 @@ impl Nv200Device {
         let [least, greatest] = names.map(|name| self.number(name, PATIENCE));
         let (least, greatest) = (least?, greatest?);
         if !(least..=greatest).contains(&safe) {
-            return Err(Broken::Said(format!(
+            return Err(Broken::Refused(format!(
                 "its travel is from {least} to {greatest}; the safe command {safe} of the plan is outside it: give \
                  safe and command_limits in [[axis]], in the instrument's unit"
             )));
@@ -125,7 +125,7 @@ impl Nv200Device {
         if identity != self.identity {
             // It is asked again before it is driven.
             self.close();
-            return Err(Broken::Said(format!(
+            return Err(Broken::Refused(format!(
                 "another instrument answers: {identity}, not {}",
                 self.identity
             )));
@@ -148,7 +148,7 @@ impl Nv200Device {
             return Ok(());
         }
         self.restarted = true;
-        Err(Broken::Said(format!(
+        Err(Broken::Refused(format!(
             "the instrument has restarted, or somebody else works with it: cl is {loop_is}, its target {target}"
         )))
     }
@@ -274,7 +274,7 @@ fn name_in(prompt: &str) -> String {
 /// Why an instrument does not open.
 fn explained(broken: Broken) -> String {
     match broken {
-        Broken::Said(text) => text,
+        Broken::Refused(text) => text,
         other => format!("it does not answer as an NV200: {other}"),
     }
 }
@@ -295,7 +295,7 @@ fn accepted(answer: &str, command: &str) -> Result<(), Broken> {
         "10" => "parameter too high",
         _ => "not specified",
     };
-    Err(Broken::Said(format!("{command}: NV200 error {code}: {text}")))
+    Err(Broken::Refused(format!("{command}: NV200 error {code}: {text}")))
 }
 
 impl Device for Nv200Device {
@@ -308,7 +308,7 @@ impl Device for Nv200Device {
                 positions[0] = position;
                 Exchanged::Sample { valid: true, powered: true }
             }
-            Err(Broken::Said(text)) => Exchanged::Failed(text),
+            Err(Broken::Refused(text)) => Exchanged::Failed(text),
             Err(Broken::Late | Broken::Garbage(_)) => {
                 self.close();
                 Exchanged::Nothing

@@ -57,7 +57,7 @@ impl Nv200Station {
         number.map_err(|broken| format!("{name}: {broken}"))
     }
 
-    fn tell(&mut self, command: &str) -> Result<(), String> {
+    fn send(&mut self, command: &str) -> Result<(), String> {
         let done = self.exchange(|device| device.command(command));
         done.map_err(|broken| format!("{command}: {broken}"))
     }
@@ -88,11 +88,11 @@ impl Nv200Station {
 
     fn configure(&mut self, wave: &Wave) -> Result<(), String> {
         let [least, greatest] = if wave.closed { self.travel } else { self.volts };
-        self.tell("grun,0")?;
+        self.send("grun,0")?;
         for (index, value) in wave.points.iter().enumerate() {
             let percent = format!("{:.6}", 100.0 * (value - least) / (greatest - least));
             if self.points.get(index) != Some(&percent) {
-                self.tell(&format!("gbarb,{index},{percent}"))?;
+                self.send(&format!("gbarb,{index},{percent}"))?;
                 self.points.resize(self.points.len().max(index + 1), String::new());
                 self.points[index] = percent;
             }
@@ -110,7 +110,7 @@ impl Nv200Station {
             "recast,2".to_owned(),
             "modsrc,3".to_owned(),
         ] {
-            self.tell(&command)?;
+            self.send(&command)?;
         }
         Ok(())
     }
@@ -174,7 +174,7 @@ impl Station for Nv200Station {
             false => set,
             true => {
                 for command in ["recast,0", "recsrc,1,2", "recstr,1", "reclen,1", "recrun,1"] {
-                    self.tell(command)?;
+                    self.send(command)?;
                 }
                 self.wait(CYCLE, &|| true)?;
                 self.channel(1, 1)?[0]
@@ -184,26 +184,26 @@ impl Station for Nv200Station {
     }
 
     fn servo(&mut self, closed: bool) -> Result<(), String> {
-        self.tell("modsrc,0")?;
-        self.tell(&format!("cl,{}", u8::from(closed)))
+        self.send("modsrc,0")?;
+        self.send(&format!("cl,{}", u8::from(closed)))
     }
 
     fn command(&mut self, _: bool, value: f64) -> Result<(), String> {
-        self.tell(&format!("set,{value:.6}"))
+        self.send(&format!("set,{value:.6}"))
     }
 
     fn run(&mut self, wave: &Wave) -> Result<Recorded, String> {
         let prepared = self.configure(wave);
         let recorded = match prepared {
-            Ok(()) => self.tell("grun,1").and_then(|()| self.record(wave)),
+            Ok(()) => self.send("grun,1").and_then(|()| self.record(wave)),
             Err(error) => Err(error),
         };
-        self.tell("grun,0")?;
-        self.tell("recast,0")?;
+        self.send("grun,0")?;
+        self.send("recast,0")?;
         // The last point of the wave goes on as a command.
         let last = wave.points.last().copied().unwrap_or_default();
         self.command(wave.closed, last)?;
-        self.tell("modsrc,0")?;
+        self.send("modsrc,0")?;
         self.command(wave.closed, last)?;
         recorded
     }
@@ -233,15 +233,15 @@ impl Station for Nv200Station {
 
     fn set_law(&mut self, law: &Law) -> Result<(), String> {
         for (name, value) in [("kp", law.kp), ("ki", law.ki), ("kd", law.kd)] {
-            self.tell(&format!("{name},{value:.9}"))?;
+            self.send(&format!("{name},{value:.9}"))?;
         }
         // Narrow first: the width is bounded by the frequency.
-        self.tell("notchb,1")?;
+        self.send("notchb,1")?;
         if let Some(notch) = law.notches.first() {
-            self.tell(&format!("notchf,{:.3}", notch.frequency))?;
-            self.tell(&format!("notchb,{:.3}", 2.0 * notch.poles * notch.frequency))?;
+            self.send(&format!("notchf,{:.3}", notch.frequency))?;
+            self.send(&format!("notchb,{:.3}", 2.0 * notch.poles * notch.frequency))?;
         }
-        self.tell(&format!("notchon,{}", u8::from(!law.notches.is_empty())))?;
+        self.send(&format!("notchon,{}", u8::from(!law.notches.is_empty())))?;
         let found = self.law()?;
         let differ = |a: f64, b: f64| (a - b).abs() > 1e-3 * b.abs().max(1e-6);
         let is_other = [(found.kp, law.kp), (found.ki, law.ki), (found.kd, law.kd)]
@@ -290,11 +290,11 @@ mod tests {
             let station = &mut Nv200Station::open(line, options).unwrap();
             assert_eq!(station.number("kp").ok(), (late == 0).then_some(0.5), "{late}");
             assert_eq!(station.number("ki"), Ok(30.0), "{late}");
-            assert_eq!(station.tell("cl,1").is_ok(), late == 0, "{late}");
-            let refused = station.tell("ki,-1").unwrap_err();
+            assert_eq!(station.send("cl,1").is_ok(), late == 0, "{late}");
+            let refused = station.send("ki,-1").unwrap_err();
             assert!(refused.contains("the range is exceeded"), "{late}: {refused}");
             assert_eq!(station.number("meas"), Ok(50.0), "{late}");
-            assert_eq!(station.tell("cl,1").is_ok(), late == 0, "{late}");
+            assert_eq!(station.send("cl,1").is_ok(), late == 0, "{late}");
             assert_eq!(station.number("ki"), Ok(30.0), "{late}");
         }
     }

@@ -90,7 +90,7 @@ pub(super) fn narx(
     })
 }
 
-/// The same inputs with the settings of least error when all of record H is simulated, γ among them: ten blocks of
+/// The NARX inputs with the settings of least error when all of record H is simulated, γ among them: ten blocks of
 /// 2 s do not show what runs off in 20 s.
 pub(super) fn narx_in_simulation(
     records: &Records,

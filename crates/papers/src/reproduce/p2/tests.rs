@@ -22,7 +22,7 @@ fn left(record: &Record, inputs: &dyn Fn(usize) -> Vec<f64>) -> f64 {
 }
 
 #[test]
-fn no_model_is_told_what_it_is_asked_for() {
+fn no_model_knows_what_it_is_asked_for() {
     let record = record("p2-test-2", PRINTED).unwrap();
     let printed = left(&record, &|k| vec![record.u[k], record.y[k]]);
     assert!(printed < 1e-3, "the printed model III solves an identity: {printed}");

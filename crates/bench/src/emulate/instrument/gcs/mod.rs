@@ -134,13 +134,13 @@ impl GcsInstrument {
             "HLP?" => Ok(HELP.to_owned()),
             "ERR?" => Ok(format!("{}\n", std::mem::take(&mut self.error))),
             "SAI?" => Ok(lines((1..=self.stage.axes.len()).map(|axis| axis.to_string()))),
-            "POS?" => self.tell(rest, |_, axis| format!("{:+.6}", axis.position)),
-            "MOV?" => self.tell(rest, |_, axis| format!("{:+.6}", axis.target)),
-            "SVA?" | "VOL?" => self.tell(rest, |_, axis| format!("{:+.6}", axis.volts)),
-            "SVO?" => self.tell(rest, |_, axis| u8::from(axis.servo).to_string()),
-            "TMN?" => self.tell(rest, |travel, _| format!("{:+.6}", travel.range()[0])),
-            "TMX?" => self.tell(rest, |travel, _| format!("{:+.6}", travel.range()[1])),
-            "OVF?" => self.tell(rest, |travel, axis| {
+            "POS?" => self.each_axis(rest, |_, axis| format!("{:+.6}", axis.position)),
+            "MOV?" => self.each_axis(rest, |_, axis| format!("{:+.6}", axis.target)),
+            "SVA?" | "VOL?" => self.each_axis(rest, |_, axis| format!("{:+.6}", axis.volts)),
+            "SVO?" => self.each_axis(rest, |_, axis| u8::from(axis.servo).to_string()),
+            "TMN?" => self.each_axis(rest, |travel, _| format!("{:+.6}", travel.range()[0])),
+            "TMX?" => self.each_axis(rest, |travel, _| format!("{:+.6}", travel.range()[1])),
+            "OVF?" => self.each_axis(rest, |travel, axis| {
                 u8::from(axis.servo && travel.volts.contains(&axis.volts)).to_string()
             }),
             "ONT?" => self.places(rest).map(|places| {
@@ -244,7 +244,11 @@ impl GcsInstrument {
         words.chunks(2).map(pair).collect()
     }
 
-    fn tell(&self, words: &[&str], of: impl Fn(&Travel, &Axis) -> String) -> Result<String, i32> {
+    fn each_axis(
+        &self,
+        words: &[&str],
+        of: impl Fn(&Travel, &Axis) -> String,
+    ) -> Result<String, i32> {
         let places = self.places(words)?;
         let line =
             |n: &usize| format!("{}={}", n + 1, of(&self.stage.travel[*n], &self.stage.axes[*n]));

@@ -1,6 +1,6 @@
 //! Set points of an NV200 from its analog input.
 //!
-//! `modsrc,1` connects it, on older instruments `modon,1` switches it on. The instrument does not tell where the input
+//! `modsrc,1` connects it, on older instruments `modon,1` switches it on. The instrument does not state where the input
 //! is, so the set point is led there, and back, by a limit of the slew rate. The recorder has two channels, of which one
 //! takes the set point: there is none for the voltage.
 //!
@@ -39,7 +39,7 @@ impl Nv200Station {
         let timeout = self.device.options.timeout;
         match self.exchange(|device| device.number("modon", timeout)) {
             Ok(on) => Ok(Some(on)),
-            Err(Broken::Said(text)) if text.contains("unknown command") => Ok(None),
+            Err(Broken::Refused(text)) if text.contains("unknown command") => Ok(None),
             Err(broken) => Err(format!("modon: {broken}")),
         }
     }
@@ -47,14 +47,14 @@ impl Nv200Station {
     /// Lets set points come from here, and leads the set point there.
     fn connect(&mut self, source: f64, go_on: &dyn Fn() -> bool) -> Result<(), String> {
         let rate = self.number("sr")?;
-        self.tell(&format!("sr,{LED}"))?;
-        let done = self.tell(&format!("modsrc,{source}")).map(|()| {
+        self.send(&format!("sr,{LED}"))?;
+        let done = self.send(&format!("modsrc,{source}")).map(|()| {
             let until = Instant::now() + LEAD;
             while source == ANALOG && Instant::now() < until && go_on() {
                 sleep(LOOK);
             }
         });
-        let back = self.tell(&format!("sr,{rate}"));
+        let back = self.send(&format!("sr,{rate}"));
         done.and(back)
     }
 
@@ -71,13 +71,13 @@ impl Nv200Station {
             format!("recstr,{}", follow.every),
             format!("reclen,{}", follow.rows),
         ] {
-            self.tell(&command)?;
+            self.send(&command)?;
         }
         if was_connected {
             return self.record_analog(follow, go_on);
         }
         let switch = self.switch()?;
-        let switched = if switch == Some(0.0) { self.tell("modon,1") } else { Ok(()) };
+        let switched = if switch == Some(0.0) { self.send("modon,1") } else { Ok(()) };
         let recorded = switched
             .and_then(|()| self.connect(ANALOG, go_on))
             .and_then(|()| self.record_analog(follow, go_on));
@@ -85,11 +85,11 @@ impl Nv200Station {
         let back = self.number("meas").and_then(|position| {
             let [least, greatest] = self.travel;
             let here = format!("set,{:.6}", position.clamp(least, greatest));
-            self.tell(&here)?;
+            self.send(&here)?;
             self.connect(COMMANDS, go_on)?;
-            self.tell(&here)
+            self.send(&here)
         });
-        let off = if switch == Some(0.0) { self.tell("modon,0") } else { Ok(()) };
+        let off = if switch == Some(0.0) { self.send("modon,0") } else { Ok(()) };
         back.and(off).map_err(|error| {
             format!(
                 "{error}; the analog input may still give the set points: `modsrc,0` disconnects it"
@@ -103,11 +103,11 @@ impl Nv200Station {
         follow: &Follow,
         go_on: &dyn Fn() -> bool,
     ) -> Result<Recorded, String> {
-        self.tell("recrun,1")?;
+        self.send("recrun,1")?;
         let period = f64::from(follow.every) * CYCLE;
         let ended = self.wait(follow.rows as f64 * period, go_on);
         if ended.is_err() {
-            self.tell("recrun,0")?;
+            self.send("recrun,0")?;
         }
         ended?;
         let (position, command) = (self.channel(0, follow.rows)?, self.channel(1, follow.rows)?);
