@@ -2,7 +2,7 @@
 
 use std::ffi::{CStr, c_char};
 
-use super::guard::Notice;
+use super::notice::Notice;
 
 /// Whether `count` values may lie behind `pointer`.
 #[inline(always)]

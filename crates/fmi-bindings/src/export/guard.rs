@@ -1,4 +1,4 @@
-//! Around every call: the instance's pointer, the call table, panics, the message of a notice.
+//! Around every call: the instance's pointer, panics, the message of a notice.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -6,89 +6,38 @@ use std::ffi::c_void;
 use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::{Instance, Phase, Rule};
+use super::notice::{Notice, Status};
 
-/// Result of a call; the numbers are those of the standards' statuses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub(super) enum Status {
-    Ok = 0,
-    Warning = 1,
-    Discard = 2,
-    Error = 3,
+/// What an edge hands out pointers to.
+pub(super) trait Guarded {
+    /// Sends a message to the importer.
+    fn send(&self, status: Status, message: &str);
+    /// Notes that a call ended in an error.
+    fn fail(&mut self) {}
 }
 
-/// Something to tell about a call: an event, or why it was not simply carried out.
-#[derive(Debug)]
-pub(super) struct Notice {
-    pub(super) status: Status,
-    pub(super) message: String,
-}
-
-/// `Err` also where a call went well and has an event to tell; the status says which.
-pub(super) type Outcome = Result<(), Notice>;
-
-impl Notice {
-    pub(super) fn error(message: impl Into<String>) -> Self {
-        Self { status: Status::Error, message: message.into() }
-    }
-
-    pub(super) fn discard(message: impl Into<String>) -> Self {
-        Self { status: Status::Discard, message: message.into() }
-    }
-
-    pub(super) fn warning(message: impl Into<String>) -> Self {
-        Self { status: Status::Warning, message: message.into() }
-    }
-}
-
-/// Carries out one call on an instance.
+/// Carries out one call on an instance; where it has a notice, the importer gets it and the status is the `Err`.
 ///
-/// A null pointer is an error without a message, because nobody is there to log it. An error
-/// brings the instance into the state Error.
+/// A null pointer is an error without a message, because nobody is there to log it.
 ///
 /// # Safety
-/// `pointer` is null or an instance that an edge handed out and that is not freed, and no other
+/// `pointer` is null or a `T` that an edge handed out and that is not freed, and no other
 /// thread uses it during the call (FMI 2.0.5 §2.1, FMI 3.0 §2.2).
-pub(super) unsafe fn call(
+pub(super) unsafe fn call<T: Guarded, R>(
     pointer: *mut c_void,
-    rule: &Rule,
-    body: impl FnOnce(&mut Instance) -> Outcome,
-) -> Status {
-    let instance = pointer.cast::<Instance>();
+    function: &str,
+    body: impl FnOnce(&mut T) -> Result<R, Notice>,
+) -> Result<R, Status> {
+    let instance = pointer.cast::<T>();
     if instance.is_null() {
-        return Status::Error;
+        return Err(Status::Error);
     }
-    let outcome = catch_unwind(AssertUnwindSafe(|| {
-        #[cfg(test)]
-        super::forced::strike();
-        // SAFETY: not null, alive and used by this thread only, as the caller promises.
-        let instance = unsafe { &mut *instance };
-        let phase = instance.phase();
-        if rule.allows(phase) { body(instance) } else { Err(Notice::error(rule.refusal(phase))) }
-    }));
-    let notice = match outcome {
-        Ok(Ok(())) => return Status::Ok,
-        Ok(Err(notice)) => notice,
-        Err(payload) => Notice::error(panic_text(payload)),
-    };
-    // SAFETY: as above; the borrow of the body has ended.
-    unsafe { report(instance, rule, &notice) }
-    notice.status
-}
-
-/// The usual step of a chain of gains and offsets, which calls nothing and cannot panic; `false`: nothing is
-/// done, and it takes [`call`].
-///
-/// # Safety
-/// As [`call`].
-#[inline(always)]
-pub(super) unsafe fn affine_step(pointer: *mut c_void, time: f64, step: f64) -> bool {
-    // SAFETY: null or alive and used by this thread only, as the caller promises.
-    match unsafe { pointer.cast::<Instance>().as_mut() } {
-        Some(instance) => instance.affine_step(time, step),
-        None => false,
-    }
+    // SAFETY: not null, alive and used by this thread only, as the caller promises.
+    caught(|| body(unsafe { &mut *instance })).map_err(|notice| {
+        // SAFETY: as above; the borrow of the body has ended.
+        unsafe { report(instance, function, &notice) }
+        notice.status
+    })
 }
 
 /// Tells the importer, and notes an error.
@@ -96,37 +45,38 @@ pub(super) unsafe fn affine_step(pointer: *mut c_void, time: f64, step: f64) -> 
 /// # Safety
 /// As [`call`], and `instance` is not null.
 #[cold]
-unsafe fn report(instance: *mut Instance, rule: &Rule, notice: &Notice) {
+unsafe fn report<T: Guarded>(instance: *mut T, function: &str, notice: &Notice) {
     // SAFETY: as the caller promises. No exclusive borrow is alive while the importer's logger
     // runs, so that a logger may look at the instance.
     unsafe {
         if notice.status == Status::Error {
-            (*instance).set_phase(Phase::Error);
+            (*instance).fail();
         }
-        let message = format!("{}: {}", rule.function, notice.message);
-        (*instance).logger().send(notice.status, &message);
+        (*instance).send(notice.status, &format!("{function}: {}", notice.message));
     }
 }
 
-/// Frees an instance; null is ignored.
+/// Frees an instance after its last duties; null is ignored.
 ///
 /// # Safety
-/// `pointer` is null or an instance that an edge handed out; it is never used again.
-pub(super) unsafe fn free(pointer: *mut c_void) {
+/// `pointer` is null or a `T` that an edge handed out; it is never used again.
+pub(super) unsafe fn free<T>(pointer: *mut c_void, last: impl FnOnce(&mut T)) {
     if pointer.is_null() {
         return;
     }
-    let freed = without_instance(|| {
+    let freed = caught(|| {
         // SAFETY: it came from `Box::into_raw`, as the caller promises.
-        drop(unsafe { Box::from_raw(pointer.cast::<Instance>()) });
+        let mut instance = unsafe { Box::from_raw(pointer.cast::<T>()) };
+        last(&mut instance);
         Ok(())
     });
-    // Nobody is left who could be told.
+    // Nobody is left who could hear of it.
     drop(freed);
 }
 
-/// Runs what has no instance yet, or no longer; a panic becomes an error.
-pub(super) fn without_instance<T>(body: impl FnOnce() -> Result<T, Notice>) -> Result<T, Notice> {
+/// Runs the body of a function of the C edge; a panic becomes an error.
+#[inline]
+pub(super) fn caught<T>(body: impl FnOnce() -> Result<T, Notice>) -> Result<T, Notice> {
     let body = || {
         #[cfg(test)]
         super::forced::strike();
@@ -204,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_an_error_that_says_why() {
-        let notice = without_instance::<()>(|| std::panic::panic_any("the reason")).unwrap_err();
+        let notice = caught::<()>(|| std::panic::panic_any("the reason")).unwrap_err();
         assert_eq!(notice.status, Status::Error);
         assert!(notice.message.contains("the reason"), "{}", notice.message);
     }

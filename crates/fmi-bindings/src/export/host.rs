@@ -5,7 +5,7 @@ use std::ffi::CStr;
 #[cfg(not(feature = "component"))]
 use std::ffi::c_char;
 
-use super::guard::Status;
+use super::notice::Status;
 
 #[cfg(not(feature = "component"))]
 #[link(wasm_import_module = "host")]

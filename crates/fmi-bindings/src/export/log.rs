@@ -3,8 +3,8 @@
 use std::ffi::{CStr, CString, c_void};
 
 use super::LOG_CATEGORIES;
-use super::guard::Status;
-use crate::fmi2::{fmi2CallbackLogger, fmi2Status};
+use super::notice::Status;
+use crate::fmi2::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2Status};
 use crate::fmi3::{fmi3LogMessageCallback, fmi3Status};
 
 /// The importer's logger, in the dialect of its version of the standard.
@@ -23,6 +23,59 @@ pub(super) enum Sink {
 }
 
 impl Sink {
+    /// The logger of FMI 2.0.
+    pub(super) fn v2(callbacks: Option<fmi2CallbackFunctions>) -> Self {
+        // There the importer's functions stay outside.
+        #[cfg(target_family = "wasm")]
+        {
+            let _ = callbacks;
+            Self::Host { is_v2: true }
+        }
+        #[cfg(not(target_family = "wasm"))]
+        match callbacks {
+            Some(fmi2CallbackFunctions {
+                logger: Some(callback), componentEnvironment, ..
+            }) => Self::V2 { callback, environment: componentEnvironment },
+            _ => Self::None,
+        }
+    }
+
+    /// The logger of FMI 3.0.
+    pub(super) fn v3(callback: Option<fmi3LogMessageCallback>, environment: *mut c_void) -> Self {
+        #[cfg(target_family = "wasm")]
+        {
+            let _ = (callback, environment);
+            Self::Host { is_v2: false }
+        }
+        #[cfg(not(target_family = "wasm"))]
+        callback.map_or(Self::None, |callback| Self::V3 { callback, environment })
+    }
+
+    /// Sends a message under the name of an instance.
+    pub(super) fn send(self, instance: &CStr, status: Status, category: &CStr, message: &str) {
+        match self {
+            Self::None => {}
+            Self::V2 { callback, environment } => {
+                let text = finished(message, true);
+                let (name, category) = (instance.as_ptr(), category.as_ptr());
+                let status = fmi2Status(status as u32);
+                // SAFETY: the importer's function with the signature of the standard; all texts
+                // end with a zero byte and live until it returns; the format has no directives.
+                unsafe { callback(environment, name, status, category, text.as_ptr()) };
+            }
+            Self::V3 { callback, environment } => {
+                let text = finished(message, false);
+                let status = fmi3Status(status as u32);
+                // SAFETY: as above.
+                unsafe { callback(environment, status, category.as_ptr(), text.as_ptr()) };
+            }
+            #[cfg(target_family = "wasm")]
+            Self::Host { is_v2 } => {
+                super::host::tell(status, category, &finished(message, is_v2));
+            }
+        }
+    }
+
     /// What goes out while logging is off. FMI 2.0 §2.1.3 expects the messages that explain a
     /// status even then, for they are no debug logging; FMI 3.0 §2.3.1 forbids all.
     fn where_off(&self) -> Mask {
@@ -82,30 +135,8 @@ impl Logger {
 
     /// Sends a message in the category of its status.
     pub(super) fn send(&self, status: Status, message: &str) {
-        if !self.wants(status) {
-            return;
-        }
-        let category = category(status);
-        match self.sink {
-            Sink::None => {}
-            Sink::V2 { callback, environment } => {
-                let text = finished(message, true);
-                let name = self.instance.as_ptr();
-                let status = fmi2Status(status as u32);
-                // SAFETY: the importer's function with the signature of the standard; all texts
-                // end with a zero byte and live until it returns; the format has no directives.
-                unsafe { callback(environment, name, status, category.as_ptr(), text.as_ptr()) };
-            }
-            Sink::V3 { callback, environment } => {
-                let text = finished(message, false);
-                let status = fmi3Status(status as u32);
-                // SAFETY: as above.
-                unsafe { callback(environment, status, category.as_ptr(), text.as_ptr()) };
-            }
-            #[cfg(target_family = "wasm")]
-            Sink::Host { is_v2 } => {
-                super::host::tell(status, category, &finished(message, is_v2));
-            }
+        if self.wants(status) {
+            self.sink.send(&self.instance, status, category(status), message);
         }
     }
 }
@@ -123,7 +154,7 @@ fn category(status: Status) -> &'static CStr {
 /// The text as the logger must get it: `#` doubled, because `#12#` means the variable with value
 /// reference 12; where it is a `printf` format, `%` doubled, so that it has no directives whatever
 /// an importer does with it.
-pub(super) fn finished(message: &str, is_format: bool) -> CString {
+fn finished(message: &str, is_format: bool) -> CString {
     let mut text = Vec::with_capacity(message.len() + 16);
     for byte in message.bytes() {
         match byte {

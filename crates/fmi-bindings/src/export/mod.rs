@@ -24,8 +24,10 @@ mod instance;
 #[cfg(not(target_family = "wasm"))]
 mod library;
 mod log;
+mod notice;
 mod old_glibc;
 mod phase;
+mod progress;
 mod resources;
 mod saved;
 pub mod slot;

@@ -2,8 +2,8 @@
 
 use model::{Context, Past};
 
-use super::instance::{Experiment, Instance, Progress};
 use super::phase::Phase;
+use super::progress::{Experiment, Progress};
 
 /// Everything of an instance that changes during a simulation.
 pub(super) struct Snapshot {
@@ -23,17 +23,6 @@ impl Snapshot {
         let steps = matches!(phase, Phase::Step | Phase::Terminated);
         is_finite && (!steps || self.context.is_at(time, period))
     }
-}
-
-/// What an `FMUstate` of the importer points to.
-pub(super) struct SavedState {
-    /// The instance that frees it; never followed.
-    pub(super) owner: *const Instance,
-    /// The saved state's place in the owner's list.
-    pub(super) slot: usize,
-    /// Fingerprint of the model that it belongs to.
-    pub(super) fingerprint: String,
-    pub(super) snapshot: Snapshot,
 }
 
 const MAGIC: &[u8; 8] = b"PZLSTATE";
@@ -74,7 +63,7 @@ pub(super) fn to_bytes(snapshot: &Snapshot, fingerprint: &str) -> Vec<u8> {
     }
     bytes.extend_from_slice(&snapshot.past.to_bytes());
     bytes.extend_from_slice(&snapshot.context.to_bytes());
-    let sum = checksum(&bytes);
+    let sum = checksum(bytes.iter().copied());
     bytes.extend_from_slice(&sum.to_le_bytes());
     bytes
 }
@@ -112,7 +101,7 @@ pub(super) fn from_bytes(
             bytes.len()
         ));
     };
-    if checksum(body) != u64::from_le_bytes(*sum) {
+    if checksum(body.iter().copied()) != u64::from_le_bytes(*sum) {
         return Err("the serialised state is damaged: its checksum is wrong".into());
     }
     let written = reader.take(fingerprint.len()).unwrap_or_default();
@@ -168,9 +157,9 @@ impl<'a> Reader<'a> {
 }
 
 /// FNV-1a, 64 bit.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
+pub(super) fn checksum(bytes: impl Iterator<Item = u8>) -> u64 {
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
     })
 }
 
@@ -180,7 +169,7 @@ mod tests {
 
     #[test]
     fn the_checksum_is_the_published_one() {
-        assert_eq!(checksum(b""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(checksum(b"foobar"), 0x8594_4171_f739_67e8);
+        assert_eq!(checksum(std::iter::empty()), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(checksum(b"foobar".iter().copied()), 0x8594_4171_f739_67e8);
     }
 }

@@ -6,10 +6,9 @@
 
 use std::ffi::c_void;
 
-use super::Instance;
 use super::arguments::{Room, array};
-use super::guard::{Notice, Outcome};
-use super::saved::SavedState;
+use super::instance::{Instance, SavedState};
+use super::notice::{Notice, Outcome};
 
 /// Saves the state, into `*place` where that is not null.
 pub(super) unsafe fn get(instance: &mut Instance, place: *mut *mut c_void) -> Outcome {

@@ -3,7 +3,7 @@
 use model::{DataType, VariableTable};
 
 use super::Instance;
-use crate::export::guard::{Notice, Outcome};
+use crate::export::notice::{Notice, Outcome};
 use crate::export::phase::Phase;
 
 /// Which elements a value reference of an interface with arrays stands for. The default is that of an

@@ -3,7 +3,7 @@
 use model::DerivativeError;
 
 use super::Instance;
-use crate::export::guard::{Notice, Outcome};
+use crate::export::notice::{Notice, Outcome};
 use crate::export::phase::Phase;
 
 impl Instance {
@@ -20,7 +20,7 @@ impl Instance {
         unknowns: &[u32],
         write: impl FnMut(usize, f64),
     ) -> Outcome {
-        if self.phase() == Phase::Initialization {
+        if self.progress.phase == Phase::Initialization {
             self.settle()?;
         }
         let Self { system, room, past, .. } = self;

@@ -5,16 +5,19 @@ mod derivatives;
 mod states;
 mod values;
 
-use std::ffi::{CStr, CString};
+use std::ffi::{CStr, CString, c_void};
+
+pub(super) use states::SavedState;
 
 use arrays::{Layout, Lists};
 use model::{Causality, DataType, DerivativeRoom, Past, Quick, StepError, System, Variable};
 
-use crate::export::guard::{Notice, Outcome, Status};
+use crate::export::guard::{self, Guarded};
 use crate::export::log::{Logger, Sink};
-use crate::export::phase::Phase;
+use crate::export::notice::{Notice, Outcome, Status};
+use crate::export::phase::{Phase, Rule};
+use crate::export::progress::{Experiment, Progress};
 use crate::export::resources::{self, Location};
-use crate::export::saved::SavedState;
 use crate::export::{BLUEPRINT, Factory};
 
 /// A model with its place in the standard's state machine, its time and its importer.
@@ -45,39 +48,6 @@ pub struct Instance {
     states: Vec<*mut SavedState>,
 }
 
-/// Where an instance is.
-#[derive(Clone, Copy)]
-pub(super) struct Progress {
-    pub(super) phase: Phase,
-    /// A value was set before the first step: the outputs do not follow it yet.
-    pub(super) stale: bool,
-    /// An input has a slope in the next step.
-    pub(super) sloped: bool,
-    /// The last communication point in s.
-    pub(super) time: f64,
-    pub(super) experiment: Experiment,
-}
-
-/// What the importer said about the experiment.
-#[derive(Clone, Copy)]
-pub(super) struct Experiment {
-    pub(super) defined: bool,
-    /// In s.
-    pub(super) start: f64,
-    /// In s, ∞ where none is defined.
-    pub(super) stop: f64,
-}
-
-impl Progress {
-    const NEW: Self = Self {
-        phase: Phase::Instantiated,
-        stale: true,
-        sloped: false,
-        time: 0.0,
-        experiment: Experiment { defined: false, start: 0.0, stop: f64::INFINITY },
-    };
-}
-
 /// What an importer gives at instantiation.
 pub(super) struct Request<'a> {
     pub(super) name: Option<&'a CStr>,
@@ -90,6 +60,16 @@ pub(super) struct Request<'a> {
     pub(super) location: Location<'a>,
     pub(super) sink: Sink,
     pub(super) logging_on: bool,
+}
+
+impl Guarded for Instance {
+    fn send(&self, status: Status, message: &str) {
+        self.logger.send(status, message);
+    }
+
+    fn fail(&mut self) {
+        self.progress.phase = Phase::Error;
+    }
 }
 
 /// Life.
@@ -145,17 +125,25 @@ impl Instance {
         Ok(Box::new(instance))
     }
 
-    /// The state that it is in.
-    pub(super) fn phase(&self) -> Phase {
-        self.progress.phase
-    }
-
-    pub(super) fn set_phase(&mut self, phase: Phase) {
-        self.progress.phase = phase;
-    }
-
-    pub(super) fn logger(&self) -> &Logger {
-        &self.logger
+    /// Carries out one call on an instance, where the call table allows it.
+    ///
+    /// # Safety
+    /// As [`guard::call`].
+    pub(super) unsafe fn call(
+        pointer: *mut c_void,
+        rule: &Rule,
+        body: impl FnOnce(&mut Self) -> Outcome,
+    ) -> Status {
+        let body = |instance: &mut Self| {
+            let phase = instance.progress.phase;
+            if rule.allows(phase) {
+                body(instance)
+            } else {
+                Err(Notice::error(rule.refusal(phase)))
+            }
+        };
+        // SAFETY: as the caller promises.
+        unsafe { guard::call(pointer, rule.function, body) }.err().unwrap_or(Status::Ok)
     }
 
     /// A success, with an event to tell where somebody wants to know.
@@ -260,21 +248,26 @@ impl Instance {
         self.progress.time
     }
 
-    /// As [`do_step`](Self::do_step), if the model is a chain of gains and offsets and the step the usual one;
-    /// else it does nothing and says `false`. It calls nothing and cannot panic.
+    /// The usual step of an instance whose model is a chain of gains and offsets, which calls nothing and
+    /// cannot panic; `false`: nothing is done, and it takes [`call`](Self::call).
+    ///
+    /// # Safety
+    /// As [`guard::call`].
     #[inline(always)]
-    pub(super) fn affine_step(&mut self, time: f64, step: f64) -> bool {
+    pub(super) unsafe fn affine_step(pointer: *mut c_void, time: f64, step: f64) -> bool {
+        // SAFETY: null or alive and used by this thread only, as the caller promises.
+        let Some(instance) = (unsafe { pointer.cast::<Self>().as_mut() }) else { return false };
         // Asked first, so that other models lose no time.
-        if !self.system.is_affine() {
+        if !instance.system.is_affine() {
             return false;
         }
         let end = time + step;
-        let done = self.progress.phase == Phase::Step
-            && !self.progress.sloped
-            && self.is_sound(time, step, end)
-            && self.system.affine_step(end, time, &mut self.past);
+        let done = instance.progress.phase == Phase::Step
+            && !instance.progress.sloped
+            && instance.is_sound(time, step, end)
+            && instance.system.affine_step(end, time, &mut instance.past);
         if done {
-            self.progress.time = end;
+            instance.progress.time = end;
         }
         done
     }

@@ -1,8 +1,19 @@
 //! Saving and restoring.
 
 use super::Instance;
-use crate::export::guard::{Notice, Outcome};
-use crate::export::saved::{self, SavedState, Snapshot};
+use crate::export::notice::{Notice, Outcome};
+use crate::export::saved::{self, Snapshot};
+
+/// What an `FMUstate` of the importer points to.
+pub(in crate::export) struct SavedState {
+    /// The instance that frees it; never followed.
+    owner: *const Instance,
+    /// The saved state's place in the owner's list.
+    slot: usize,
+    /// Fingerprint of the model that it belongs to.
+    fingerprint: String,
+    snapshot: Snapshot,
+}
 
 /// Saved states. All pointers are those of [`save`](Instance::save) and
 /// [`deserialize`](Instance::deserialize), not freed; the edges' contracts say so.

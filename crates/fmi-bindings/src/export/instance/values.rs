@@ -3,7 +3,7 @@
 use model::{Causality, DataType, Gate, SetError, Variable};
 
 use super::Instance;
-use crate::export::guard::{Notice, Outcome};
+use crate::export::notice::{Notice, Outcome};
 use crate::export::phase::Phase;
 
 impl Instance {
@@ -95,7 +95,7 @@ impl Instance {
             Ok(variable) => variable,
             Err(notice) => return notice,
         };
-        if variable.causality == Causality::FixedParameter && self.phase() == Phase::Step {
+        if variable.causality == Causality::FixedParameter && self.progress.phase == Phase::Step {
             let problem = format!(
                 "{value} comes too late: a fixed parameter is set before the simulation; reset \
                  the instance and set it then"

@@ -58,7 +58,7 @@ pub unsafe extern "C" fn fmi2DoStep(
 ) -> fmi2Status {
     let (time, step) = (currentCommunicationPoint, communicationStepSize);
     // SAFETY: the contract of all functions here.
-    unsafe { if guard::affine_step(c, time, step) { fmi2OK } else { any_step(c, time, step) } }
+    unsafe { if Instance::affine_step(c, time, step) { fmi2OK } else { any_step(c, time, step) } }
 }
 
 /// Apart from the step that calls nothing, which needs no place on the stack then, and of C's kind, so that it is

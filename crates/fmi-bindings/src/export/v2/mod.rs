@@ -23,9 +23,10 @@ use std::ffi::{c_char, c_void};
 use model::DataType;
 
 use super::arguments::{Room, array, text, texts};
-use super::guard::{self, Notice, Outcome};
+use super::guard;
 use super::instance::Request;
 use super::log::{Logger, Sink};
+use super::notice::{Notice, Outcome};
 use super::resources::Location;
 use super::{Factory, Instance, Rule, state_calls};
 use crate::fmi2::*;
@@ -42,7 +43,7 @@ unsafe fn call(
     body: impl FnOnce(&mut Instance) -> Outcome,
 ) -> fmi2Status {
     // SAFETY: the contract of all functions here.
-    fmi2Status(unsafe { guard::call(c, rule, body) } as u32)
+    fmi2Status(unsafe { Instance::call(c, rule, body) } as u32)
 }
 
 // Inquire version numbers of header files and setting logging status
@@ -88,24 +89,13 @@ pub unsafe fn fmi2Instantiate(
     _visible: fmi2Boolean,
     loggingOn: fmi2Boolean,
 ) -> fmi2Component {
-    // Inside WebAssembly the importer's functions stay outside.
-    #[cfg_attr(target_family = "wasm", allow(unused_variables))]
     // SAFETY: the caller's texts and its structure, which is copied because it is only good during
     // this call.
-    let (name, token, uri, callbacks) = unsafe {
-        let callbacks = functions.as_ref().copied();
-        (text(instanceName), text(fmuGUID), text(fmuResourceLocation), callbacks)
+    let (name, token, uri, sink) = unsafe {
+        let sink = Sink::v2(functions.as_ref().copied());
+        (text(instanceName), text(fmuGUID), text(fmuResourceLocation), sink)
     };
-    #[cfg(target_family = "wasm")]
-    let sink = Sink::Host { is_v2: true };
-    #[cfg(not(target_family = "wasm"))]
-    let sink = match callbacks {
-        Some(fmi2CallbackFunctions { logger: Some(callback), componentEnvironment, .. }) => {
-            Sink::V2 { callback, environment: componentEnvironment }
-        }
-        _ => Sink::None,
-    };
-    let built = guard::without_instance(|| {
+    let built = guard::caught(|| {
         if fmuType != fmi2CoSimulation {
             return Err(Notice::error(
                 "this FMU offers co-simulation only; instantiate it with fmi2CoSimulation",
@@ -136,7 +126,7 @@ pub unsafe fn fmi2Instantiate(
 /// Frees an instance and the states it saved.
 pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
     // SAFETY: the contract of all functions here.
-    unsafe { guard::free(c) }
+    unsafe { guard::free::<Instance>(c, |_| ()) }
 }
 
 // Enter and exit initialization mode, terminate and reset

@@ -58,7 +58,7 @@ pub unsafe extern "C" fn fmi3DoStep(
         && answers.iter().all(|answer| !answer.is_null());
     // SAFETY: the contract of all functions here, and the caller's room for one value each.
     unsafe {
-        if is_reported && guard::affine_step(instance, time, step) {
+        if is_reported && Instance::affine_step(instance, time, step) {
             answers.iter().for_each(|answer| answer.write(fmi3False));
             lastSuccessfulTime.write(time + step);
             return fmi3OK;

@@ -28,9 +28,10 @@ use std::ffi::{c_char, c_void};
 use model::{DataType, VariableTable};
 
 use super::arguments::{Room, array, text, texts};
-use super::guard::{self, Notice, Outcome};
+use super::guard;
 use super::instance::Request;
 use super::log::{Logger, Sink};
+use super::notice::{Notice, Outcome, Status};
 use super::resources::Location;
 use super::{Factory, Instance, Rule, state_calls};
 use crate::fmi3::*;
@@ -55,7 +56,7 @@ unsafe fn call(
     body: impl FnOnce(&mut Instance) -> Outcome,
 ) -> fmi3Status {
     // SAFETY: the contract of all functions here.
-    fmi3Status(unsafe { guard::call(instance, rule, body) } as u32)
+    fmi3Status(unsafe { Instance::call(instance, rule, body) } as u32)
 }
 
 /// A function that the table allows in no state.
@@ -103,7 +104,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     logMessage: Option<fmi3LogMessageCallback>,
 ) -> fmi3Instance {
     let why = "model exchange is not offered; call fmi3InstantiateCoSimulation";
-    let sink = sink(logMessage, instanceEnvironment);
+    let sink = Sink::v3(logMessage, instanceEnvironment);
     // SAFETY: the caller's text.
     unsafe { refuse("fmi3InstantiateModelExchange", instanceName, sink, why) }
 }
@@ -128,8 +129,8 @@ pub unsafe fn fmi3InstantiateCoSimulation(
     // SAFETY: the caller's texts.
     let (name, token, path) =
         unsafe { (text(instanceName), text(instantiationToken), text(resourcePath)) };
-    let sink = sink(logMessage, instanceEnvironment);
-    let built = guard::without_instance(|| {
+    let sink = Sink::v3(logMessage, instanceEnvironment);
+    let built = guard::caught(|| {
         if eventModeUsed {
             return Err(Notice::error(
                 "event mode is not offered (hasEventMode = false); set eventModeUsed to false",
@@ -175,23 +176,12 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _unlockPreemption: Option<fmi3UnlockPreemptionCallback>,
 ) -> fmi3Instance {
     let why = "scheduled execution is not offered; call fmi3InstantiateCoSimulation";
-    let sink = sink(logMessage, instanceEnvironment);
+    let sink = Sink::v3(logMessage, instanceEnvironment);
     // SAFETY: the caller's text.
     unsafe { refuse("fmi3InstantiateScheduledExecution", instanceName, sink, why) }
 }
 
-fn sink(callback: Option<fmi3LogMessageCallback>, environment: fmi3InstanceEnvironment) -> Sink {
-    // There the importer's functions stay outside.
-    #[cfg(target_family = "wasm")]
-    {
-        let _ = (callback, environment);
-        Sink::Host { is_v2: false }
-    }
-    #[cfg(not(target_family = "wasm"))]
-    callback.map_or(Sink::None, |callback| Sink::V3 { callback, environment })
-}
-
-/// No instance, and the reason to the logger: it is told even where logging is off, because the
+/// No instance, and the reason to the logger: it is sent even where logging is off, because the
 /// standard demands a message with each null pointer (§2.3.1).
 ///
 /// # Safety
@@ -199,8 +189,8 @@ fn sink(callback: Option<fmi3LogMessageCallback>, environment: fmi3InstanceEnvir
 unsafe fn refuse(function: &str, name: fmi3String, sink: Sink, why: &str) -> fmi3Instance {
     // SAFETY: the caller's text.
     let name = unsafe { text(name) }.unwrap_or(c"").into();
-    let outcome = guard::without_instance(|| {
-        Logger::new(sink, name, true).send(guard::Status::Error, &format!("{function}: {why}"));
+    let outcome = guard::caught(|| {
+        Logger::new(sink, name, true).send(Status::Error, &format!("{function}: {why}"));
         Ok(())
     });
     drop(outcome);
@@ -210,7 +200,7 @@ unsafe fn refuse(function: &str, name: fmi3String, sink: Sink, why: &str) -> fmi
 /// Frees an instance and the states it saved.
 pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
     // SAFETY: the contract of all functions here.
-    unsafe { guard::free(instance) }
+    unsafe { guard::free::<Instance>(instance, |_| ()) }
 }
 
 // Enter and exit initialization mode, enter event mode, terminate and reset

@@ -1,23 +1,21 @@
 //! One instance of a repaired FMU, whatever the version of the standard.
 
-use std::any::Any;
 use std::ffi::{CStr, CString, c_void};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use surround::Surround;
 
-use crate::export::guard::{self, Notice};
-use crate::export::log::{Sink, finished};
-use crate::fmi2::fmi2Status;
-use crate::fmi3::fmi3Status;
+use crate::export::Phase;
+use crate::export::guard::{self, Guarded};
+use crate::export::log::Sink;
+use crate::export::notice::{Notice, Status};
+use crate::export::saved::checksum;
 
-/// Status of a call as a number; both versions count alike.
+/// Status of a call as a number; both versions count alike, and the original may return others than [`Status`].
 pub(super) type Code = u32;
 
-pub(super) const OK: Code = 0;
-const WARNING: Code = 1;
-pub(super) const DISCARD: Code = 2;
-pub(super) const ERROR: Code = 3;
+pub(super) const OK: Code = Status::Ok as Code;
+const WARNING: Code = Status::Warning as Code;
+pub(super) const DISCARD: Code = Status::Discard as Code;
 
 /// What comes of a call: the original's status, or why there is none.
 pub(super) type Answer = Result<Code, Notice>;
@@ -35,21 +33,13 @@ pub(super) trait Original {
     fn step(&mut self, time: f64, step: f64) -> (Code, bool);
 }
 
-/// Where an instance is in its life.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub(super) enum Phase {
-    Instantiated = 0,
-    Initialization = 1,
-    Step = 2,
-}
-
 /// An instance: the original with effects around it.
 pub(super) struct Wrapped<O> {
     pub(super) original: O,
     pub(super) surround: Surround,
-    pub(super) sink: Sink,
-    pub(super) name: CString,
+    sink: Sink,
+    name: CString,
+    /// One of [`PHASES`]; which call is allowed when, the original knows.
     pub(super) phase: Phase,
     /// A value was set in the initialization mode: the outputs do not follow it yet.
     stale: bool,
@@ -76,70 +66,50 @@ pub(super) struct EffectState {
     phase: Phase,
 }
 
-/// Carries out one call; what goes wrong is told to the host.
+/// The phases of an instance; a serialised state holds the place of its own here.
+const PHASES: [Phase; 3] = [Phase::Instantiated, Phase::Initialization, Phase::Step];
+
+impl<O> Guarded for Wrapped<O> {
+    fn send(&self, status: Status, message: &str) {
+        self.sink.send(&self.name, status, CATEGORY, message);
+    }
+}
+
+/// Carries out one call.
 ///
 /// # Safety
-/// `pointer` is null or an instance of this library that is not freed, and no other thread uses it.
+/// As [`guard::call`].
 pub(super) unsafe fn call<O>(
     pointer: *mut c_void,
     function: &str,
     body: impl FnOnce(&mut Wrapped<O>) -> Answer,
 ) -> Code {
-    let wrapped = pointer.cast::<Wrapped<O>>();
-    if wrapped.is_null() {
-        return ERROR;
-    }
-    let answer = catch_unwind(AssertUnwindSafe(|| {
-        // SAFETY: not null, alive and used by this thread only, as the caller promises.
-        body(unsafe { &mut *wrapped })
-    }));
-    let notice = match answer {
-        Ok(Ok(code)) => return code,
-        Ok(Err(notice)) => notice,
-        Err(payload) => panicked(payload),
+    // SAFETY: as the caller promises.
+    unsafe { guard::call(pointer, function, body) }.unwrap_or_else(|status| status as Code)
+}
+
+/// Hands out the instance that `body` makes; null where it makes none, and the host has the reason.
+pub(super) fn instantiate<O: Original>(
+    function: &str,
+    name: Option<&CStr>,
+    sink: Sink,
+    body: impl FnOnce() -> Result<(O, Surround), Notice>,
+) -> *mut c_void {
+    let name = name.unwrap_or(c"");
+    let created = guard::caught(|| {
+        let (original, surround) = body()?;
+        Ok(Box::new(Wrapped::new(original, surround, sink, name.into())))
+    });
+    let refused = |notice: Notice| {
+        let message = format!("{function}: {}", notice.message);
+        sink.send(name, notice.status, CATEGORY, &message);
+        std::ptr::null_mut()
     };
-    // SAFETY: as above; the borrow of the body has ended.
-    let (sink, name) = unsafe { ((*wrapped).sink, &(*wrapped).name) };
-    send(sink, name, notice.status as Code, &format!("{function}: {}", notice.message));
-    notice.status as Code
-}
-
-/// A panic as an error, by way of what the guard does.
-fn panicked(payload: Box<dyn Any + Send>) -> Notice {
-    match guard::without_instance::<()>(|| std::panic::resume_unwind(payload)) {
-        Err(notice) => notice,
-        Ok(()) => Notice::error("internal defect"),
-    }
-}
-
-/// Sends a message of the repair.
-pub(super) fn send(sink: Sink, name: &CStr, code: Code, message: &str) {
-    match sink {
-        Sink::None => {}
-        Sink::V2 { callback, environment } => {
-            let text = finished(message, true);
-            // SAFETY: the importer's function with the signature of the standard; all texts end with
-            // a zero byte and live until it returns; the format has no directives.
-            unsafe {
-                callback(
-                    environment,
-                    name.as_ptr(),
-                    fmi2Status(code),
-                    CATEGORY.as_ptr(),
-                    text.as_ptr(),
-                );
-            }
-        }
-        Sink::V3 { callback, environment } => {
-            let text = finished(message, false);
-            // SAFETY: as above.
-            unsafe { callback(environment, fmi3Status(code), CATEGORY.as_ptr(), text.as_ptr()) };
-        }
-    }
+    created.map_or_else(refused, |instance| Box::into_raw(instance).cast())
 }
 
 impl<O: Original> Wrapped<O> {
-    pub(super) fn new(original: O, surround: Surround, sink: Sink, name: CString) -> Self {
+    fn new(original: O, surround: Surround, sink: Sink, name: CString) -> Self {
         let mut wrapped = Self {
             original,
             surround,
@@ -323,7 +293,7 @@ impl<O: Original> Wrapped<O> {
         code
     }
 
-    /// The same, if a value was set since.
+    /// Brings inputs and outputs to rest, if a value was set since.
     pub(super) fn settle_if_stale(&mut self) -> Code {
         if self.stale { self.settle() } else { OK }
     }
@@ -385,7 +355,7 @@ impl<O: Original> Wrapped<O> {
                 return code;
             }
             let part = if parts == 1 { step } else { at(k + 1) - at(k) };
-            let (done, is_whole) = self.original.step(at(k), part);
+            let (done, is_complete) = self.original.step(at(k), part);
             code = code.max(done);
             if code > WARNING {
                 self.surround.undo(dt);
@@ -393,7 +363,7 @@ impl<O: Original> Wrapped<O> {
             }
             code = code.max(self.pull_outputs());
             self.surround.step_outputs(dt);
-            if code > WARNING || !is_whole {
+            if code > WARNING || !is_complete {
                 return code;
             }
         }
@@ -431,26 +401,22 @@ impl EffectState {
     pub(super) fn write(&self, token: &str, bytes: &mut [u8]) {
         bytes[..8].copy_from_slice(&MAGIC);
         bytes[16..24].copy_from_slice(&(self.numbers.len() as u64).to_le_bytes());
-        bytes[24..HEAD].copy_from_slice(&(self.phase as u64).to_le_bytes());
+        let phase = PHASES.iter().position(|phase| *phase == self.phase).unwrap_or_default();
+        bytes[24..HEAD].copy_from_slice(&(phase as u64).to_le_bytes());
         let places = bytes[HEAD..].chunks_exact_mut(8);
         places.zip(&self.numbers).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
-        let sum = checksum(token, &bytes[16..]);
+        let sum = sum(token, &bytes[16..]);
         bytes[8..16].copy_from_slice(&sum.to_le_bytes());
     }
 
     /// Reads itself; also the place where the original's bytes begin.
     pub(super) fn read(token: &str, bytes: &[u8]) -> Option<(Self, usize)> {
         let word = |at: usize| Some(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?));
-        if bytes.get(..8)? != MAGIC || word(8)? != checksum(token, bytes.get(16..)?) {
+        if bytes.get(..8)? != MAGIC || word(8)? != sum(token, bytes.get(16..)?) {
             return None;
         }
         let count = usize::try_from(word(16)?).ok()?;
-        let phase = match word(24)? {
-            0 => Phase::Instantiated,
-            1 => Phase::Initialization,
-            2 => Phase::Step,
-            _ => return None,
-        };
+        let phase = *PHASES.get(usize::try_from(word(24)?).ok()?)?;
         let end = HEAD.checked_add(count.checked_mul(8)?)?;
         let numbers = bytes.get(HEAD..end)?.chunks_exact(8);
         let numbers = numbers.filter_map(|b| Some(f64::from_le_bytes(b.try_into().ok()?)));
@@ -458,9 +424,24 @@ impl EffectState {
     }
 }
 
-/// FNV-1a, 64 bit, of the FMU's token and the bytes.
-fn checksum(token: &str, bytes: &[u8]) -> u64 {
-    token.bytes().chain(bytes.iter().copied()).fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+/// Checksum of the FMU's token and the bytes.
+fn sum(token: &str, bytes: &[u8]) -> u64 {
+    checksum(token.bytes().chain(bytes.iter().copied()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_number_of_a_phase_in_a_serialised_state_stays() {
+        for (number, phase) in PHASES.into_iter().enumerate() {
+            let state = EffectState { numbers: vec![0.5, -1.0], phase };
+            let mut bytes = vec![7; state.byte_len() + 3];
+            state.write("token", &mut bytes);
+            assert_eq!(bytes[24..HEAD], [number as u8, 0, 0, 0, 0, 0, 0, 0]);
+            let (read, end) = EffectState::read("token", &bytes).unwrap();
+            assert_eq!((read.phase, read.numbers, end), (phase, state.numbers, HEAD + 16));
+        }
+    }
 }

@@ -3,8 +3,9 @@
 
 use surround::{Directions, Jump};
 
-use super::core::{Answer, Code, DISCARD, OK, Original, Phase, Wrapped};
-use crate::export::guard::Notice;
+use super::core::{Answer, Code, DISCARD, OK, Original, Wrapped};
+use crate::export::Phase;
+use crate::export::notice::Notice;
 
 /// Originals that may know directional derivatives.
 pub(super) trait Differentiable: Original {

@@ -7,7 +7,7 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
 use surround::{Repair, Surround};
 
 use crate::export::Library;
-use crate::export::guard::Notice;
+use crate::export::notice::Notice;
 use crate::export::resources::{self, Location};
 
 /// What stays as it is in a file URI.

@@ -9,7 +9,7 @@ use std::ffi::c_void;
 
 use super::core::{Answer, Code, DISCARD, EffectState, Original, Saved, Wrapped};
 use crate::export::arguments::{Room, array};
-use crate::export::guard::Notice;
+use crate::export::notice::Notice;
 
 /// The original's own functions about its states, with the arguments of the standard but the
 /// instance.

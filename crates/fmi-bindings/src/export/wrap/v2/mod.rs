@@ -9,16 +9,17 @@
     clippy::too_many_arguments
 )]
 
-use std::ffi::{CStr, CString, c_void};
+use std::ffi::{CStr, CString};
 
 use super::core::{
-    Answer, CATEGORY, Code, DISCARD, ERROR, OK, Original, Wrapped, call as guarded, send,
+    Answer, CATEGORY, Code, DISCARD, OK, Original, Wrapped, call as guarded, instantiate,
 };
 use super::file::{Files, PLATFORM_V2};
 use super::state_calls::{self, States};
 use crate::export::arguments::{Room, array, text, texts};
-use crate::export::guard::{self, Notice};
+use crate::export::guard;
 use crate::export::log::Sink;
+use crate::export::notice::Notice;
 use crate::export::resources::Location;
 use crate::fmi2::*;
 use crate::import::v2::Library;
@@ -180,13 +181,7 @@ pub unsafe fn fmi2Instantiate(
     let (name, token, uri, callbacks) = unsafe {
         (text(instanceName), text(fmuGUID), text(fmuResourceLocation), functions.as_ref().copied())
     };
-    let sink = match callbacks {
-        Some(fmi2CallbackFunctions { logger: Some(callback), componentEnvironment, .. }) => {
-            Sink::V2 { callback, environment: componentEnvironment }
-        }
-        _ => Sink::None,
-    };
-    let built = guard::without_instance(|| {
+    instantiate("fmi2Instantiate", name, Sink::v2(callbacks), || {
         if fmuType != fmi2CoSimulation {
             return Err(Notice::error("a repaired FMU offers co-simulation only"));
         }
@@ -194,16 +189,8 @@ pub unsafe fn fmi2Instantiate(
         let files = Files::read(location, "2.0", token)?;
         // SAFETY: the host's own texts.
         let original = unsafe { inner(&files, name, callbacks.map(Box::new), visible, loggingOn)? };
-        Ok(Box::new(Wrapped::new(original, files.surround, sink, name.unwrap_or(c"").into())))
-    });
-    match built {
-        Ok(instance) => Box::into_raw(instance).cast::<c_void>(),
-        Err(notice) => {
-            let message = format!("fmi2Instantiate: {}", notice.message);
-            send(sink, name.unwrap_or(c""), ERROR, &message);
-            std::ptr::null_mut()
-        }
-    }
+        Ok((original, files.surround))
+    })
 }
 
 /// Loads and instantiates the original.
@@ -249,18 +236,8 @@ unsafe fn inner(
 
 /// Frees an instance, its states, and the original.
 pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
-    if c.is_null() {
-        return;
-    }
-    let freed = guard::without_instance(|| {
-        // SAFETY: it came from `Box::into_raw`, as the caller promises.
-        let mut instance = unsafe { Box::from_raw(c.cast::<Instance>()) };
-        state_calls::free_all(&mut instance);
-        drop(instance);
-        Ok(())
-    });
-    // Nobody is left who could be told.
-    drop(freed);
+    // SAFETY: the contract of all functions here.
+    unsafe { guard::free::<Instance>(c, state_calls::free_all) }
 }
 
 pass! {

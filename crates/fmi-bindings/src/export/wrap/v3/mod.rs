@@ -9,16 +9,17 @@
     clippy::too_many_arguments
 )]
 
-use std::ffi::{CStr, c_void};
+use std::ffi::CStr;
 
 use super::core::{
-    Answer, CATEGORY, Code, DISCARD, ERROR, OK, Original, Wrapped, call as guarded, send,
+    Answer, CATEGORY, Code, DISCARD, OK, Original, Wrapped, call as guarded, instantiate,
 };
 use super::file::{Files, PLATFORM_V3};
 use super::state_calls::{self, States};
 use crate::export::arguments::{Room, array, text, texts};
-use crate::export::guard::{self, Notice};
+use crate::export::guard;
 use crate::export::log::Sink;
+use crate::export::notice::Notice;
 use crate::export::resources::Location;
 use crate::fmi3::*;
 use crate::import::v3::Library;
@@ -31,11 +32,11 @@ struct Inner {
     library: Library,
     /// Whether the host promises not to go back before the current point.
     no_way_back: fmi3Boolean,
-    /// What the last step told.
+    /// What the last step reported.
     flags: StepFlags,
 }
 
-/// What a step tells; flags as bytes, because the original may write anything.
+/// What a step reports; flags as bytes, because the original may write anything.
 #[derive(Clone, Copy, Default)]
 struct StepFlags {
     event: u8,
@@ -220,14 +221,10 @@ unsafe fn refuse(
     logger: Option<fmi3LogMessageCallback>,
 ) -> fmi3Instance {
     // SAFETY: the caller's text.
-    let name = unsafe { text(name) }.unwrap_or(c"");
-    let why = format!("{function}: a repaired FMU offers co-simulation only");
-    send(sink(logger, environment), name, ERROR, &why);
-    std::ptr::null_mut()
-}
-
-fn sink(logger: Option<fmi3LogMessageCallback>, environment: fmi3InstanceEnvironment) -> Sink {
-    logger.map_or(Sink::None, |callback| Sink::V3 { callback, environment })
+    let name = unsafe { text(name) };
+    instantiate::<Inner>(function, name, Sink::v3(logger, environment), || {
+        Err(Notice::error("a repaired FMU offers co-simulation only"))
+    })
 }
 
 /// Makes an instance of the original and puts the effects around it.
@@ -245,11 +242,11 @@ pub unsafe fn fmi3InstantiateCoSimulation(
     logMessage: Option<fmi3LogMessageCallback>,
     _intermediateUpdate: Option<fmi3IntermediateUpdateCallback>,
 ) -> fmi3Instance {
-    let sink = sink(logMessage, instanceEnvironment);
+    let sink = Sink::v3(logMessage, instanceEnvironment);
     // SAFETY: the caller's texts.
     let (name, token, path) =
         unsafe { (text(instanceName), text(instantiationToken), text(resourcePath)) };
-    let built = guard::without_instance(|| {
+    instantiate("fmi3InstantiateCoSimulation", name, sink, || {
         if eventModeUsed || nRequiredIntermediateVariables > 0 {
             return Err(Notice::error(
                 "event mode and intermediate variables are not offered through a repair",
@@ -285,16 +282,8 @@ pub unsafe fn fmi3InstantiateCoSimulation(
         }
         let flags = StepFlags::default();
         let original = Inner { instance: inner, library, no_way_back: fmi3False, flags };
-        Ok(Box::new(Wrapped::new(original, files.surround, sink, name.unwrap_or(c"").into())))
-    });
-    match built {
-        Ok(instance) => Box::into_raw(instance).cast::<c_void>(),
-        Err(notice) => {
-            let message = format!("fmi3InstantiateCoSimulation: {}", notice.message);
-            send(sink, name.unwrap_or(c""), ERROR, &message);
-            std::ptr::null_mut()
-        }
-    }
+        Ok((original, files.surround))
+    })
 }
 
 /// Refused: scheduled execution is not offered.
@@ -317,18 +306,8 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
 
 /// Frees an instance, its states, and the original.
 pub unsafe extern "C" fn fmi3FreeInstance(instance: fmi3Instance) {
-    if instance.is_null() {
-        return;
-    }
-    let freed = guard::without_instance(|| {
-        // SAFETY: it came from `Box::into_raw`, as the caller promises.
-        let mut instance = unsafe { Box::from_raw(instance.cast::<Instance>()) };
-        state_calls::free_all(&mut instance);
-        drop(instance);
-        Ok(())
-    });
-    // Nobody is left who could be told.
-    drop(freed);
+    // SAFETY: the contract of all functions here.
+    unsafe { guard::free::<Instance>(instance, state_calls::free_all) }
 }
 
 /// Brings effects on parameters to the original and goes through.
