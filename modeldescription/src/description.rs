@@ -6,25 +6,8 @@
 use crate::names::named;
 use crate::structure::ModelStructure;
 use crate::variable::{Properties, Variable};
-
-/// Version of the standard.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
-pub enum FmiVersion {
-    /// FMI 2.0 (written as `2.0`).
-    V2,
-    /// FMI 3.0 (written as `3.0`).
-    V3,
-}
-
-impl FmiVersion {
-    /// The value of the attribute `fmiVersion`.
-    pub fn text(self) -> &'static str {
-        match self {
-            FmiVersion::V2 => "2.0",
-            FmiVersion::V3 => "3.0",
-        }
-    }
-}
+pub use crate::version::FmiVersion;
+pub use crate::xml::Line;
 
 named! {
     /// How variable names are built.
@@ -33,18 +16,6 @@ named! {
         Flat = "flat",
         /// A hierarchy: `axis[1].mode.frequency`.
         Structured = "structured",
-    }
-}
-
-/// Line of an element in its file, counted from 1; 0 where there is no file.
-///
-/// Two lines are always equal: descriptions are compared by what they say, not by their layout.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Line(pub u32);
-
-impl PartialEq for Line {
-    fn eq(&self, _: &Self) -> bool {
-        true
     }
 }
 

@@ -43,6 +43,7 @@ pub mod ssp;
 pub mod structure;
 mod time;
 pub mod variable;
+mod version;
 mod write;
 pub mod xml;
 

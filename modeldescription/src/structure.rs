@@ -1,7 +1,7 @@
 //! `<ModelStructure>`: which variables are unknown, and what they depend on.
 
-use crate::description::Line;
 use crate::names::named;
+use crate::xml::Line;
 
 named! {
     /// How an unknown depends on a known.

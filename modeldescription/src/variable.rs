@@ -1,7 +1,8 @@
 //! Variables of an FMU.
 
-use crate::description::{FmiVersion, Line};
 use crate::names::named;
+use crate::version::FmiVersion;
+use crate::xml::Line;
 
 named! {
     /// What a variable is for.

@@ -1,6 +1,7 @@
 //! Every problem of an FMU, against the letter of FMI 2.0.5 or 3.0.2.
 
 mod binary;
+mod content;
 mod distribution;
 mod functions;
 mod names;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::distribution::Content;
+use super::content::Content;
 use crate::description::{FmiVersion, ModelDescription};
 use crate::package::Limits;
 use crate::problem::{Problem, Topic};

@@ -8,6 +8,7 @@ mod dictionaries;
 
 use std::collections::{HashMap, HashSet};
 
+use super::connector::{Connector, Dimension, Kind};
 use super::problem::{Format, problem};
 use super::structure::*;
 use crate::description::{Line, Unit};

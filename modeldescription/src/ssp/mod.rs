@@ -10,6 +10,7 @@
 //! Version 1.0 is written. Of 2.0 everything is read that 1.0 has too, its numeric types, and its arrays of
 //! connectors; its clocks and variants are not.
 
+mod connector;
 mod dictionary;
 mod flat;
 mod package;
@@ -20,15 +21,15 @@ mod structure;
 mod values;
 mod write;
 
+pub use connector::{Connector, ConnectorType, Dimension, Kind, Source};
 pub use dictionary::{DictionaryReference, SignalDictionary};
 pub use flat::{Flat, FlatComponent, FlatConnection, FlatInput, FlatOutput, FlatStart, Linear};
 pub use package::{Ssp, SspBuilder};
 pub use problem::SspError;
 pub use structure::{
-    Annotation, Binding, Component, Connection, Connector, ConnectorType, Dimension, Element, End,
-    Enumeration, Experiment, Implementation, Kind, Mapped, Mapping, MappingEntry, Parameter,
-    ParameterMapping, ParameterSet, ParameterValue, Source, System, SystemStructure,
-    Transformation,
+    Annotation, Binding, Component, Connection, Element, End, Enumeration, Experiment,
+    Implementation, Mapped, Mapping, MappingEntry, Parameter, ParameterMapping, ParameterSet,
+    ParameterValue, System, SystemStructure, Transformation,
 };
 
 /// Name of the SSD inside an SSP.

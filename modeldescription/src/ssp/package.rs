@@ -7,9 +7,10 @@ use percent_encoding::percent_decode_str;
 use tempfile::TempDir;
 
 use super::SYSTEM_STRUCTURE;
+use super::connector::Source;
 use super::problem::{Format, SspError, problem};
 use super::structure::*;
-use super::{dictionary, read, values};
+use super::{read, values};
 use crate::package::{Archive, Limits, PackageError, unpack, write_archive};
 use crate::problem::Problem;
 use crate::xml::XmlLimits;
@@ -193,7 +194,7 @@ impl Loader<'_> {
         system.bindings.iter_mut().for_each(|binding| self.binding(binding, None));
         for list in &mut system.dictionaries {
             if let Some((file, bytes)) = self.load(&list.source, None, list.line.0) {
-                dictionary::load(&bytes, &file, &self.limits.xml, self.problems, list);
+                read::load_dictionary(&bytes, &file, &self.limits.xml, self.problems, list);
             }
         }
         for element in &mut system.elements {

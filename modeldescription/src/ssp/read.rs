@@ -1,8 +1,9 @@
 //! Reads an SSD.
 
-use super::dictionary;
+use super::connector::{Connector, ConnectorType, Dimension, Kind, Source};
+use super::dictionary::{DictionaryReference, SignalDictionary};
 use super::problem::Format;
-use super::reader::{Reader, child, children, listed, local};
+use super::reader::{Reader, child, children, connector_type, listed, local};
 use super::structure::*;
 use super::values;
 use crate::description::Line;
@@ -78,15 +79,78 @@ fn read_system(reader: &mut Reader<'_>, element: &xml::Element) -> System {
             .map(|connection| read_connection(reader, connection))
             .collect(),
         dictionaries: listed(element, "SignalDictionaries", "SignalDictionary")
-            .map(|found| dictionary::dictionary(reader, found))
+            .map(|found| dictionary(reader, found))
             .collect(),
         annotations: annotations(element),
         line: Line(element.line),
     }
 }
 
+/// `<SignalDictionary>` of a system.
+fn dictionary(reader: &mut Reader<'_>, element: &xml::Element) -> SignalDictionary {
+    let inline = element.children.iter().find(|c| local(&c.name) == Format::Dictionary.root());
+    let mut found = SignalDictionary {
+        name: reader.required(element, "name"),
+        source: source(reader, element, inline.is_some()),
+        signals: None,
+        units: Vec::new(),
+        line: Line(element.line),
+    };
+    if let Some(list) = inline {
+        fill_dictionary(reader, list, &mut found);
+    }
+    found
+}
+
+/// `<SignalDictionaryReference>` of a system.
+fn dictionary_reference(reader: &mut Reader<'_>, element: &xml::Element) -> DictionaryReference {
+    reader.only(element, &["Connectors"], &["ElementGeometry", "Annotations", "ParameterBindings"]);
+    DictionaryReference {
+        name: name(reader, element),
+        dictionary: reader.required(element, "dictionary"),
+        connectors: connectors(reader, element),
+        line: Line(element.line),
+    }
+}
+
+/// Reads an SSB into a dictionary as far as possible.
+pub(super) fn load_dictionary(
+    bytes: &[u8],
+    file: &str,
+    limits: &XmlLimits,
+    problems: &mut Vec<Problem>,
+    into: &mut SignalDictionary,
+) {
+    let mut reader = Reader { file: file.to_owned(), format: Format::Dictionary, problems };
+    if let Some(root) = reader.root(bytes, limits) {
+        fill_dictionary(&mut reader, &root, into);
+    }
+}
+
+fn fill_dictionary(reader: &mut Reader<'_>, list: &xml::Element, into: &mut SignalDictionary) {
+    reader.only(list, &["DictionaryEntry", "Enumerations", "Units"], &["Annotations"]);
+    reader.version(list);
+    into.units = values::units(reader, list);
+    let mut signals: Vec<Connector> = Vec::new();
+    for entry in children(list, "DictionaryEntry") {
+        let signal = Connector {
+            name: reader.required(entry, "name"),
+            kind: Kind::Inout,
+            data_type: stated_type(reader, entry, "signal"),
+            dimensions: Vec::new(),
+            line: Line(entry.line),
+        };
+        if signals.iter().any(|other| other.name == signal.name) {
+            let found = format!("signal \"{}\" stands in the dictionary twice", signal.name);
+            reader.report(entry.line, found, "names are unique", "keep one of them");
+        }
+        signals.push(signal);
+    }
+    into.signals = Some(signals);
+}
+
 /// A name, which must not be empty.
-pub(super) fn name(reader: &mut Reader<'_>, element: &xml::Element) -> String {
+fn name(reader: &mut Reader<'_>, element: &xml::Element) -> String {
     let name = reader.required(element, "name");
     if element.attribute("name") == Some("") {
         let found = format!("<{}> has an empty name", element.name);
@@ -102,7 +166,7 @@ fn elements(reader: &mut Reader<'_>, element: &xml::Element) -> Vec<Element> {
             "Component" => elements.push(Element::Component(component(reader, child))),
             "System" => elements.push(Element::System(read_system(reader, child))),
             "SignalDictionaryReference" => {
-                elements.push(Element::Dictionary(dictionary::reference(reader, child)));
+                elements.push(Element::Dictionary(dictionary_reference(reader, child)));
             }
             _ => {
                 let found = format!("<{}> stands in <Elements>", child.name);
@@ -136,7 +200,7 @@ fn component(reader: &mut Reader<'_>, element: &xml::Element) -> Component {
     }
 }
 
-pub(super) fn connectors(reader: &mut Reader<'_>, element: &xml::Element) -> Vec<Connector> {
+fn connectors(reader: &mut Reader<'_>, element: &xml::Element) -> Vec<Connector> {
     listed(element, "Connectors", "Connector").map(|c| connector(reader, c)).collect()
 }
 
@@ -176,7 +240,7 @@ fn dimensions(reader: &mut Reader<'_>, element: &xml::Element) -> Vec<Dimension>
 }
 
 /// The type that stands in a connector or a signal, which is `what`.
-pub(super) fn stated_type(
+fn stated_type(
     reader: &mut Reader<'_>,
     element: &xml::Element,
     what: &str,
@@ -211,16 +275,6 @@ pub(super) fn stated_type(
         }
     }
     data_type
-}
-
-/// `Real` and `Integer` of 1.0, and the types of 2.0, which are those of FMI 3.0.
-pub(super) fn connector_type(name: &str) -> Option<DataType> {
-    match name {
-        "Real" => Some(DataType::Float64),
-        "Integer" => Some(DataType::Int32),
-        "Clock" => None,
-        other => DataType::from_name(other),
-    }
 }
 
 fn read_connection(reader: &mut Reader<'_>, element: &xml::Element) -> Connection {
@@ -275,7 +329,7 @@ fn media_type(reader: &mut Reader<'_>, element: &xml::Element, wanted: &str) {
 }
 
 /// `source` and `sourceBase`; exactly one of a source and an inline content must be there.
-pub(super) fn source(reader: &mut Reader<'_>, element: &xml::Element, inline: bool) -> Source {
+fn source(reader: &mut Reader<'_>, element: &xml::Element, inline: bool) -> Source {
     let base = reader.optional(element, "sourceBase", "SSD or component", |text| match text {
         "SSD" => Some(false),
         "component" => Some(true),

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use super::problem::{Format, no_xml, problem};
 use crate::problem::Problem;
+use crate::variable::DataType;
 use crate::xml::{self, Element, XmlLimits};
 
 /// A file of an SSP that is being read.
@@ -38,6 +39,16 @@ pub(super) fn listed<'e>(
     item: &'static str,
 ) -> impl Iterator<Item = &'e Element> {
     child(element, list).into_iter().flat_map(move |list| children(list, item))
+}
+
+/// `Real` and `Integer` of 1.0, and the types of 2.0, which are those of FMI 3.0.
+pub(super) fn connector_type(name: &str) -> Option<DataType> {
+    match name {
+        "Real" => Some(DataType::Float64),
+        "Integer" => Some(DataType::Int32),
+        "Clock" => None,
+        other => DataType::from_name(other),
+    }
 }
 
 impl Reader<'_> {

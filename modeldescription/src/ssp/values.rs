@@ -1,7 +1,7 @@
 //! Reads SSV, SSM, and what they share with an SSD: units, enumerations, transformations.
 
 use super::problem::Format;
-use super::reader::{Reader, boolean, child, children, float, listed, local};
+use super::reader::{Reader, boolean, child, children, connector_type, float, listed, local};
 use super::structure::*;
 use crate::description::{BaseUnit, Line, Unit};
 use crate::problem::Problem;
@@ -93,7 +93,7 @@ fn parameter(reader: &mut Reader<'_>, element: &xml::Element) -> Option<Paramete
 
 fn value(reader: &mut Reader<'_>, name: &str, content: &xml::Element) -> Option<ParameterValue> {
     let type_name = local(&content.name);
-    let Some(data_type) = super::read::connector_type(type_name) else {
+    let Some(data_type) = connector_type(type_name) else {
         let found = format!("parameter \"{name}\" is of type <{}>", content.name);
         let rule = "types are Real, Integer, Boolean, String, Enumeration, Binary and the numeric \
                     types of FMI 3.0";

@@ -1,6 +1,7 @@
 //! Writes SSD, SSV, SSM, and what they share with an SSB.
 
-use super::dictionary;
+use super::connector::{Connector, Dimension, Source};
+use super::dictionary::{DictionaryReference, SignalDictionary};
 use super::problem::{Format, SspError};
 use super::structure::*;
 use crate::description::Unit;
@@ -42,11 +43,7 @@ impl ParameterSet {
     /// # Errors
     /// A text that XML cannot carry.
     pub fn to_xml(&self) -> Result<String, SspError> {
-        let content = set(self);
-        let mut root = root(Format::Values, "ssv");
-        root.attributes.extend(content.attributes);
-        root.children = content.children;
-        text(&root)
+        document(Format::Values, "ssv", set(self))
     }
 }
 
@@ -56,28 +53,42 @@ impl ParameterMapping {
     /// # Errors
     /// A text that XML cannot carry.
     pub fn to_xml(&self) -> Result<String, SspError> {
-        let content = mapping_content(self);
-        let mut root = root(Format::Mapping, "ssm");
-        root.attributes.extend(content.attributes);
-        root.children = content.children;
-        text(&root)
+        document(Format::Mapping, "ssm", mapping_content(self))
     }
 }
 
-pub(super) fn root(format: Format, prefix: &str) -> Xml {
+impl SignalDictionary {
+    /// The list as an SSB.
+    ///
+    /// # Errors
+    /// A text that XML cannot carry.
+    pub fn to_xml(&self) -> Result<String, SspError> {
+        document(Format::Dictionary, "ssb", dictionary_content(self))
+    }
+}
+
+/// The content as a file of its own.
+fn document(format: Format, prefix: &str, content: Xml) -> Result<String, SspError> {
+    let mut root = root(format, prefix);
+    root.attributes.extend(content.attributes);
+    root.children = content.children;
+    text(&root)
+}
+
+fn root(format: Format, prefix: &str) -> Xml {
     let mut root = element(&format!("{prefix}:{}", format.root()));
     root.attributes.push((format!("xmlns:{prefix}"), format.namespace()));
     root.attributes.push(("xmlns:ssc".to_owned(), COMMON.to_owned()));
     root
 }
 
-pub(super) fn element(name: &str) -> Xml {
+fn element(name: &str) -> Xml {
     Xml { name: name.to_owned(), attributes: Vec::new(), children: Vec::new(), line: 0 }
 }
 
 /// Building an element attribute by attribute and child by child.
 impl Xml {
-    pub(super) fn with(mut self, name: &str, value: &str) -> Self {
+    fn with(mut self, name: &str, value: &str) -> Self {
         self.attributes.push((name.to_owned(), value.to_owned()));
         self
     }
@@ -98,13 +109,13 @@ impl Xml {
         self
     }
 
-    pub(super) fn holding_all(mut self, children: impl Iterator<Item = Xml>) -> Self {
+    fn holding_all(mut self, children: impl Iterator<Item = Xml>) -> Self {
         self.children.extend(children);
         self
     }
 
     /// A list element, left out where it would be empty.
-    pub(super) fn list(self, name: &str, items: impl Iterator<Item = Xml>) -> Self {
+    fn list(self, name: &str, items: impl Iterator<Item = Xml>) -> Self {
         let list = element(name).holding_all(items);
         if list.children.is_empty() { self } else { self.holding(list) }
     }
@@ -114,7 +125,7 @@ fn system(system: &System) -> Xml {
     let elements = system.elements.iter().map(|inner| match inner {
         Element::Component(inner) => component(inner),
         Element::System(inner) => self::system(inner),
-        Element::Dictionary(inner) => dictionary::written_reference(inner),
+        Element::Dictionary(inner) => dictionary_reference(inner),
     });
     element("ssd:System")
         .maybe("description", system.description.as_deref())
@@ -123,7 +134,7 @@ fn system(system: &System) -> Xml {
         .list("ssd:ParameterBindings", system.bindings.iter().map(binding))
         .list("ssd:Elements", elements)
         .list("ssd:Connections", system.connections.iter().map(connection))
-        .list("ssd:SignalDictionaries", system.dictionaries.iter().map(dictionary::written))
+        .list("ssd:SignalDictionaries", system.dictionaries.iter().map(dictionary))
         .list("ssd:Annotations", system.annotations.iter().map(annotation))
 }
 
@@ -146,7 +157,7 @@ fn annotation(annotation: &Annotation) -> Xml {
         .holding_all(annotation.content.clone().into_iter())
 }
 
-pub(super) fn connector(connector: &Connector) -> Xml {
+fn connector(connector: &Connector) -> Xml {
     element("ssd:Connector")
         .with("name", &connector.name)
         .with("kind", connector.kind.name())
@@ -158,7 +169,7 @@ pub(super) fn connector(connector: &Connector) -> Xml {
 }
 
 /// The type of a connector or of a signal.
-pub(super) fn stated_type(connector: &Connector) -> Option<Xml> {
+fn stated_type(connector: &Connector) -> Option<Xml> {
     connector.data_type.as_ref().map(|stated| {
         let name = match stated.data_type {
             DataType::Float64 | DataType::Float32 => "Real",
@@ -221,7 +232,7 @@ fn mapping(mapping: &Mapping) -> Xml {
     sourced(element("ssd:ParameterMapping"), &mapping.source).holding_all(inline.into_iter())
 }
 
-pub(super) fn sourced(element: Xml, source: &Source) -> Xml {
+fn sourced(element: Xml, source: &Source) -> Xml {
     match source {
         Source::Inline => element,
         Source::File(file) => element.with("source", file),
@@ -280,6 +291,35 @@ fn mapping_content(mapping: &ParameterMapping) -> Xml {
     element("ssm:ParameterMapping").with("version", &mapping.version).holding_all(entries)
 }
 
+/// `<ssd:SignalDictionary>`, with the list inside where it is inline.
+fn dictionary(dictionary: &SignalDictionary) -> Xml {
+    let inline =
+        matches!(dictionary.source, Source::Inline).then(|| dictionary_content(dictionary));
+    sourced(element("ssd:SignalDictionary"), &dictionary.source)
+        .with("name", &dictionary.name)
+        .holding_all(inline.into_iter())
+}
+
+/// `<ssd:SignalDictionaryReference>`.
+fn dictionary_reference(reference: &DictionaryReference) -> Xml {
+    element("ssd:SignalDictionaryReference")
+        .with("name", &reference.name)
+        .with("dictionary", &reference.dictionary)
+        .list("ssd:Connectors", reference.connectors.iter().map(connector))
+}
+
+fn dictionary_content(dictionary: &SignalDictionary) -> Xml {
+    let entries = dictionary.signals.iter().flatten().map(|signal| {
+        element("ssb:DictionaryEntry")
+            .with("name", &signal.name)
+            .holding_all(stated_type(signal).into_iter())
+    });
+    element("ssb:SignalDictionary")
+        .with("version", "1.0")
+        .holding_all(entries)
+        .list("ssb:Units", dictionary.units.iter().map(unit))
+}
+
 fn enumeration(enumeration: &Enumeration) -> Xml {
     let items = enumeration.items.iter().map(|(name, value)| {
         element("ssc:Item").with("name", name).with("value", &value.to_string())
@@ -287,7 +327,7 @@ fn enumeration(enumeration: &Enumeration) -> Xml {
     element("ssc:Enumeration").with("name", &enumeration.name).holding_all(items)
 }
 
-pub(super) fn unit(unit: &Unit) -> Xml {
+fn unit(unit: &Unit) -> Xml {
     let base = unit.base.unwrap_or_default();
     let exponents = base.exponents().into_iter().filter(|(_, exponent)| *exponent != 0);
     let mut content = element("ssc:BaseUnit");
@@ -314,7 +354,7 @@ fn number(value: f64) -> String {
 }
 
 /// The document as indented text.
-pub(super) fn text(root: &Xml) -> Result<String, SspError> {
+fn text(root: &Xml) -> Result<String, SspError> {
     let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
     write_element(root, 0, &mut text)?;
     Ok(text)

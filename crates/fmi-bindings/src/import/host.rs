@@ -1,13 +1,9 @@
 //! What an FMU may leave changed of the program that runs it: the floating-point mode of the thread,
-//! the working folder, the standard output. The first two are put back and told of.
+//! the working folder, the standard output. The first two are put back, with a message.
 
 use std::path::PathBuf;
 
-use super::error::Status;
-use super::log::{Log, Message};
-
-/// Category of the messages about what an FMU changed.
-pub const HOST: &str = "host";
+use super::log::Log;
 
 /// Rounding, flush to zero and traps of this thread, without the flags that computing sets.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -101,14 +97,10 @@ impl Folder {
                     Ok(()) => "it was put back".to_owned(),
                     Err(error) => format!("{} cannot be entered again: {error}", home.display()),
                 };
-                tell(log, format!("by {call} the working folder had become {now}; {back}"));
+                log.remark(format!("by {call} the working folder had become {now}; {back}"));
             }
         }
     }
-}
-
-fn tell(log: &Log, text: String) {
-    log.push(Message { status: Status::Warning, category: HOST.to_owned(), text });
 }
 
 /// The standard output, which from now on nobody else writes to: what FMUs print goes to standard

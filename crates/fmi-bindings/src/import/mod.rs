@@ -3,7 +3,7 @@
 //! ```text
 //! Binary (dlopen) ── v2::Library (the functions of FMI 2.0) ── v2::Instance (one slave)
 //!                 └─ v3::Library (the functions of FMI 3.0) ── v3::Instance
-//!                                                              Log (what the FMU said)
+//!                                                              Log (messages of the FMU)
 //! ```
 //!
 //! A call that fails becomes an [`Error`] that names the FMU, the call, the status and the last
@@ -15,19 +15,21 @@ mod error;
 mod format;
 mod host;
 mod log;
+mod logger;
 mod registry;
 mod state;
+mod status;
 mod step;
 mod text;
 pub mod v2;
 pub mod v3;
 
 pub use binary::Binary;
-pub use error::{CallError, Error, Status};
-pub use host::HOST;
+pub use error::{CallError, Error};
 #[cfg(unix)]
 pub use host::keep_standard_output;
-pub use log::{Log, Message, NameOf, OnMessage};
+pub use log::{HOST, Log, Message, NameOf, OnMessage};
 pub use registry::{called, names as instances};
 pub use state::SavedState;
+pub use status::Status;
 pub use step::{Experiment, StepResult};

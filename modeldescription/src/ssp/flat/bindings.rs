@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::{FlatStart, Flattener, Linear, Node, joined};
 use crate::description::Unit;
+use crate::ssp::connector::Source;
 use crate::ssp::problem::Format;
 use crate::ssp::structure::*;
 

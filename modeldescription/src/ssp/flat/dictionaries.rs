@@ -1,9 +1,9 @@
 //! Signal dictionaries: one place per signal, wherever a reference to the dictionary stands.
 
 use super::{Flattener, NodeInfo, joined};
+use crate::ssp::connector::{Kind, Source};
 use crate::ssp::dictionary::{DictionaryReference, SignalDictionary};
 use crate::ssp::problem::Format;
-use crate::ssp::structure::*;
 
 impl<'a> Flattener<'a> {
     /// Takes up the connectors of a reference, and the signals that they stand for.

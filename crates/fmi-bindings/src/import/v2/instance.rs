@@ -4,11 +4,13 @@ use std::ffi::c_void;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::super::error::{CallError, Error, LoggedText, Status};
+use super::super::error::{CallError, Error, LoggedText};
 use super::super::host::{FloatMode, Folder};
-use super::super::log::{Log, NameOf, OnMessage, logger};
+use super::super::log::{Log, NameOf, OnMessage};
+use super::super::logger::logger;
 use super::super::registry::{self, Token};
 use super::super::state::States;
+use super::super::status::Status;
 use super::super::step::{Experiment, StepResult};
 use super::super::text::{c_text, text_of};
 use super::library::{Functions, Library};
@@ -116,7 +118,7 @@ impl Instance {
         &self.name
     }
 
-    /// What the FMU said.
+    /// The messages of the FMU.
     pub fn log(&self) -> &Log {
         &self.log
     }

@@ -17,21 +17,6 @@ pub struct Updated {
     pub next_event: Option<f64>,
 }
 
-/// How a step ended that may be one to an event.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stepped {
-    /// Time that the FMU has reached, s.
-    pub reached: f64,
-    /// It returned before the end of the step.
-    pub early: bool,
-    /// An event is to be handled at the time that it reached.
-    pub event: bool,
-    /// It asks for the end of the simulation.
-    pub terminated: bool,
-    /// The step was not done (status *Discard*); what it reached is not known.
-    pub discarded: bool,
-}
-
 impl Instance {
     /// `fmi3EnterEventMode`
     pub fn enter_event_mode(&mut self) -> Result<(), Error> {

@@ -7,12 +7,12 @@ use std::sync::atomic::Ordering;
 
 use super::super::error::{CallError, Error, LoggedText};
 use super::super::host::{FloatMode, Folder};
-use super::super::log::{Log, OnMessage, receive_v3};
+use super::super::log::{Log, OnMessage};
+use super::super::logger::receive_v3;
 use super::super::registry::{self, Token};
 use super::super::state::States;
 use super::super::step::{Experiment, StepResult};
 use super::super::text::c_text;
-use super::events::Stepped;
 use super::library::{EventFunctions, Functions, Library};
 use crate::fmi3::*;
 
@@ -36,6 +36,21 @@ pub struct Instantiation {
     pub early_return: bool,
     /// Sees each message at once.
     pub on_message: Option<OnMessage>,
+}
+
+/// How a step ended that may be one to an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepped {
+    /// Time that the FMU has reached, s.
+    pub reached: f64,
+    /// It returned before the end of the step.
+    pub early: bool,
+    /// An event is to be handled at the time that it reached.
+    pub event: bool,
+    /// It asks for the end of the simulation.
+    pub terminated: bool,
+    /// The step was not done (status *Discard*); what it reached is not known.
+    pub discarded: bool,
 }
 
 /// One FMI 3.0 co-simulation instance. Dropping it frees it.
@@ -118,7 +133,7 @@ impl Instance {
         &self.name
     }
 
-    /// What the FMU said.
+    /// The messages of the FMU.
     pub fn log(&self) -> &Log {
         &self.log
     }
@@ -275,7 +290,7 @@ impl Instance {
         self.check(call, status)
     }
 
-    /// The same between two steps of a cycle, where no lock may be taken: what is noted is told later.
+    /// A call that takes the instance only, between two steps of a cycle, where no lock may be taken: remarks follow later.
     pub(super) fn plain_in_cycle(
         &mut self,
         call: &'static &'static str,

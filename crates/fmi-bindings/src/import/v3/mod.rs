@@ -9,6 +9,6 @@ mod library;
 mod state;
 mod values;
 
-pub use events::{Stepped, Updated};
-pub use instance::{Instance, Instantiation};
+pub use events::Updated;
+pub use instance::{Instance, Instantiation, Stepped};
 pub use library::Library;
