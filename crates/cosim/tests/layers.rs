@@ -3,21 +3,35 @@
 use std::path::Path;
 use std::process::Command;
 
-#[test]
-fn the_master_is_built_without_components() {
+/// The crates that a package is built of, a line each, with their features.
+fn crates(package: &[&str]) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let call = ["tree", "--offline", "--locked", "-p", "piezoloop-cosim", "-e", "normal"];
     let output = Command::new(env!("CARGO"))
-        .args(call)
-        .args(["--prefix", "none", "--format", "{p}"])
+        .args(["tree", "--offline", "--locked", "-e", "normal"])
+        .args(["--prefix", "none", "--format", "{p} {f}", "-p"])
+        .args(package)
         .current_dir(root)
         .output()
         .expect("cargo runs");
-    let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(text.contains("piezoloop-fmi-bindings"), "{text}");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
     for layer in ["components", "surround", "learned"] {
         let line = text.lines().find(|line| line.starts_with(&format!("piezoloop-{layer} ")));
-        assert_eq!(line, None, "cosim is built with {layer}");
+        assert_eq!(line, None, "{package:?} is built with {layer}");
     }
+    text
+}
+
+#[test]
+fn the_master_is_built_without_components() {
+    let text = crates(&["piezoloop-cosim"]);
+    let edge = text.lines().find(|line| line.starts_with("piezoloop-fmi-bindings "));
+    assert!(edge.is_some_and(|line| line.ends_with(") import")), "not import alone: {edge:?}");
+}
+
+#[test]
+fn the_import_of_fmus_is_built_without_any_layer() {
+    let text = crates(&["piezoloop-fmi-bindings", "--no-default-features", "--features", "import"]);
+    let own: Vec<_> = text.lines().filter(|line| line.starts_with("piezoloop-")).collect();
+    assert!(matches!(own[..], [only] if only.contains("fmi-bindings")), "{own:?}");
 }
