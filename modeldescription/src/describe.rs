@@ -46,7 +46,7 @@ pub struct About {
 }
 
 impl About {
-    /// A model of this name in the shared library `co_simulation` names, nothing else said.
+    /// A model of this name in the shared library `co_simulation` names, nothing else stated.
     pub fn new(
         fmi_version: FmiVersion,
         model_name: impl Into<String>,
@@ -101,7 +101,7 @@ pub enum DescribeError {
     Time(#[from] WriteError),
 }
 
-/// Communication steps of the default experiment. An importer that is told no step of its own may
+/// Communication steps of the default experiment. An importer that is given no step of its own may
 /// coarsen a longer run (fmpy: until it has at most 1000 steps).
 const DEFAULT_STEPS: f64 = 1000.0;
 
@@ -307,9 +307,9 @@ fn start(row: &Row, data_type: DataType) -> Result<Start, DescribeError> {
 
 /// The value as a 32-bit integer, if it is one.
 fn integer(value: f64) -> Option<i32> {
-    let is_whole = value.fract() == 0.0;
+    let is_integer = value.fract() == 0.0;
     let fits = value >= f64::from(i32::MIN) && value <= f64::from(i32::MAX);
-    (is_whole && fits).then_some(value as i32)
+    (is_integer && fits).then_some(value as i32)
 }
 
 fn add_time(description: &mut ModelDescription, reference: u32) {

@@ -154,14 +154,14 @@ impl Problem {
         Problem { file: entry.to_owned(), ..Problem::in_xml(version, topic, 0, found) }
     }
 
-    /// As `in_entry`, with the rule that is broken.
+    /// Adds the rule that is broken.
     #[must_use]
     pub fn rule(mut self, rule: impl Into<String>) -> Self {
         self.rule = rule.into();
         self
     }
 
-    /// As `rule`, with what to change.
+    /// Adds what to change.
     #[must_use]
     pub fn way_out(mut self, way_out: impl Into<String>) -> Self {
         self.way_out = way_out.into();

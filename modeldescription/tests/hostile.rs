@@ -254,7 +254,7 @@ fn listing(folder: &Path) -> Vec<String> {
     all
 }
 
-const CHILD: &str = "the_child_opens_what_it_is_told";
+const CHILD: &str = "the_child_opens_what_it_is_given";
 
 #[test]
 fn every_hostile_archive_is_refused_within_bounded_memory() {
@@ -305,7 +305,7 @@ fn every_hostile_archive_is_refused_within_bounded_memory() {
 
 /// Run by the test above in a process of its own.
 #[test]
-fn the_child_opens_what_it_is_told() {
+fn the_child_opens_what_it_is_given() {
     let Some(file) = std::env::var_os("HOSTILE_ARCHIVE") else { return };
     let one_line = |text: String| text.replace('\n', " | ");
     let opened = Package::open(&file).map(|package| package.folder().to_owned());

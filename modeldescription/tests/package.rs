@@ -174,7 +174,7 @@ fn packing_refuses_bad_names() {
 }
 
 #[test]
-fn writing_replaces_the_whole_file_or_nothing() {
+fn writing_replaces_the_complete_file_or_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("stage.fmu");
     fs::write(&path, "old").unwrap();

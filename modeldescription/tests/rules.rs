@@ -44,7 +44,7 @@ fn description(attributes: &str, content: &str) -> String {
     )
 }
 
-/// A variable of FMI 2.0 and what is said about it; empty if it is valid.
+/// A variable of FMI 2.0 and what is reported about it; empty if it is valid.
 #[test]
 fn variables_of_version_2() {
     let v = |attributes: &str, element: &str| {
@@ -144,7 +144,7 @@ fn aliases_of_version_2() {
     }
 }
 
-/// States, derivatives, approximations: a valid model-exchange FMU, and its structure made wrong.
+/// States, derivatives, approximations: a valid model-exchange FMU, and its structure with errors.
 #[test]
 fn structure_of_version_2() {
     let variables = "
@@ -430,7 +430,7 @@ fn required_functions_are_those_of_the_headers() {
 }
 
 #[test]
-fn a_draft_of_the_standard_is_said() {
+fn a_draft_of_the_standard_is_stated() {
     let text = |version: &str| {
         three("", "").replace("fmiVersion=\"3.0\"", &format!("fmiVersion=\"{version}\""))
     };

@@ -41,7 +41,7 @@ fn sources_alone_are_an_fmu() {
     assert_eq!(found(FmiVersion::V2, &files), "");
 }
 
-/// Version of FMI, the files under sources/ with their texts, and what is said.
+/// Version of FMI, the files under sources/ with their texts, and what is reported.
 type Case<'a> = (FmiVersion, &'a [(&'a str, &'a str)], &'a str);
 
 #[test]

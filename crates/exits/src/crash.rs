@@ -1,4 +1,4 @@
-//! A crash is told of, then it happens.
+//! A crash is reported, then it happens.
 //!
 //! The handler of a signal may find the program in any state: it calls only what POSIX allows there, and
 //! `posix_spawn`, which allocates nothing in the C libraries that there are. So it has its texts and places ready.
@@ -30,8 +30,8 @@ static INSIDE: OnceLock<Inside> = OnceLock::new();
 static FOLDER: OnceLock<[u8; LONGEST_PATH]> = OnceLock::new();
 /// Who handled the signals before: Rust's runtime, which knows a stack that has overflowed.
 static EARLIER: [OnceLock<libc::sigaction>; SIGNALS.len()] = [const { OnceLock::new() }; 5];
-/// One crash may bring about another.
-static TOLD: AtomicBool = AtomicBool::new(false);
+/// A crash was reported; it may bring about another one.
+static REPORTED: AtomicBool = AtomicBool::new(false);
 
 type Handler = unsafe extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void);
 
@@ -68,8 +68,8 @@ pub(super) fn temporary(folder: &Path) {
 unsafe extern "C" fn crashed(signal: c_int, info: *mut libc::siginfo_t, context: *mut c_void) {
     // SAFETY: asks for a number.
     let is_guarded = unsafe { libc::getpid() } == GUARDED.load(Ordering::Relaxed);
-    if is_guarded && !TOLD.swap(true, Ordering::Relaxed) {
-        tell(signal);
+    if is_guarded && !REPORTED.swap(true, Ordering::Relaxed) {
+        report(signal);
         remove_folder();
     }
     let place = SIGNALS.iter().position(|known| known.0 == signal);
@@ -90,8 +90,8 @@ unsafe extern "C" fn crashed(signal: c_int, info: *mut libc::siginfo_t, context:
     }
 }
 
-/// Says what has crashed.
-fn tell(signal: c_int) {
+/// Writes what has crashed.
+fn report(signal: c_int) {
     let name = SIGNALS.iter().find(|known| known.0 == signal).map_or("a signal", |known| known.1);
     let mut line = Line::default();
     let mut is_inside = false;
@@ -184,7 +184,7 @@ impl Line {
     }
 
     fn write(&mut self) {
-        // SAFETY: the bytes are there. What cannot be written stays untold.
+        // SAFETY: the bytes are there. What cannot be written is lost.
         let _ = unsafe { libc::write(2, self.bytes.as_ptr().cast(), self.length) };
         self.length = 0;
     }

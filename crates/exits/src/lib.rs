@@ -23,7 +23,7 @@ static NAMES: OnceLock<fn() -> Vec<String>> = OnceLock::new();
 /// signal is handled, so it may neither wait nor allocate.
 pub type Inside = fn(&mut dyn FnMut(&[u8], &str));
 
-/// From now on an end of this process before [`finished`] is no success, and a crash is told of. `names` tells
+/// From now on an end of this process before [`finished`] is no success, and a crash is reported. `names` tells
 /// the FMUs that there are, without waiting for anybody.
 pub fn guard(names: fn() -> Vec<String>, inside: Inside) {
     if NAMES.set(names).is_ok() {
@@ -66,10 +66,10 @@ mod linux {
     /// The number of the call that ends all threads.
     #[cfg(target_arch = "x86_64")]
     const EXIT_GROUP: c_long = 231;
-    /// As most architectures have it.
+    /// The number of that call on most architectures.
     #[cfg(not(target_arch = "x86_64"))]
     const EXIT_GROUP: c_long = 94;
-    /// The code after a panic, which has told of itself.
+    /// The code after a panic, which has its own message.
     const PANICKED: c_int = 101;
 
     /// The process that is guarded; its children are not.
@@ -96,7 +96,7 @@ mod linux {
         }
     }
 
-    /// Whether the program has not done what was asked for; that is told.
+    /// Whether the program has not done what was asked for, which is reported.
     fn is_too_early(code: c_int) -> bool {
         let is_guarded = GUARDED.load(Ordering::Relaxed) == std::process::id();
         if !is_guarded || FINISHED.load(Ordering::Relaxed) || code == PANICKED {
@@ -125,7 +125,7 @@ mod linux {
         end(if is_too_early(code) { 2 } else { code })
     }
 
-    /// The same under its name in the C standard.
+    /// `_exit` under its name in the C standard.
     #[unsafe(no_mangle)]
     extern "C" fn _Exit(code: c_int) -> ! {
         _exit(code)

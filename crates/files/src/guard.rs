@@ -26,7 +26,7 @@ pub fn guard<'a>(named: impl IntoIterator<Item = &'a Path>) {
     *call() = Some(Call { named: seen, twice, ..Call::default() });
 }
 
-/// Says that `path` is read: under [`guard`] it is not written any more, unless this call made it.
+/// Notes that `path` is read: under [`guard`] it is not written any more, unless this call created it.
 pub fn note_read(path: &Path) {
     if let Some(call) = call().as_mut() {
         call.read.insert(identity(path));
@@ -122,7 +122,7 @@ pub fn note_written(target: &Path) {
 }
 
 fn call() -> MutexGuard<'static, Option<Call>> {
-    // Sets of paths are whole after a panic as well.
+    // Sets of paths are complete after a panic as well.
     CALL.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -1,4 +1,4 @@
-//! How every file is written: whole or not at all, through links and devices, with the permissions
+//! How every file is written: completely or not at all, through links and devices, with the permissions
 //! that it had, and under [`guard`] never over an input.
 
 mod guard;
@@ -99,10 +99,10 @@ impl WholeFile {
         Ok(())
     }
 
-    /// Writes `bytes` as the whole file `target`.
+    /// Writes `bytes` as the complete file `target`.
     ///
     /// # Errors
-    /// As [`create`](Self::create) and [`commit`](Self::commit).
+    /// The file cannot be created, written or renamed.
     pub fn write_all_of(target: &Path, bytes: &[u8]) -> io::Result<()> {
         let mut file = Self::create(target)?;
         file.write_all(bytes)?;
@@ -165,7 +165,7 @@ impl Drop for WholeFile {
 /// A file that is read while it is written, and after a crash: in its place from the first byte on.
 ///
 /// # Errors
-/// As [`WholeFile::create`].
+/// The file cannot be created.
 pub fn in_place(target: &Path) -> io::Result<File> {
     if fs::metadata(target).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
         return OpenOptions::new().write(true).open(target);
@@ -205,7 +205,7 @@ pub fn read_text_within(path: &Path, longest: u64) -> io::Result<String> {
 /// [`read_text_within`] [`LONGEST_TEXT`].
 ///
 /// # Errors
-/// As there.
+/// It cannot be read, is too long, or is no UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     read_text_within(path, LONGEST_TEXT)
 }

@@ -107,9 +107,9 @@ pub struct fmi3IntervalQualifier(pub c_uint);
 
 /// Not yet known.
 pub const fmi3IntervalNotYetKnown: fmi3IntervalQualifier = fmi3IntervalQualifier(0);
-/// As before.
+/// The same as when it was last asked for.
 pub const fmi3IntervalUnchanged: fmi3IntervalQualifier = fmi3IntervalQualifier(1);
-/// Another one.
+/// New since it was last asked for.
 pub const fmi3IntervalChanged: fmi3IntervalQualifier = fmi3IntervalQualifier(2);
 
 /// The importer's logger; the message is a text, not a format.

@@ -192,7 +192,7 @@ fn the_number_of_values_is_exactly_that_of_the_elements() {
 }
 
 #[test]
-fn an_array_is_set_as_a_whole_or_not_at_all() {
+fn an_array_is_set_completely_or_not_at_all() {
     let arrays = Arrays::ready(plant);
     assert_eq!(arrays.set(&[COMMAND], &[1.0, f64::NAN]), fmi3Error);
     for part in ["command[2] (element 2 of value reference 0)", "NaN", "finite"] {

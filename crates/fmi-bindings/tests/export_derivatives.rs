@@ -121,7 +121,7 @@ fn play_operators_are_linear_on_each_side() {
 }
 
 #[test]
-fn a_jump_has_no_derivative_and_is_said_so() {
+fn a_jump_has_no_derivative_and_is_reported() {
     let between = driven(stairs_plant, &[0.75]);
     near(slope(&between, "position[1]", "command[1]", 1.0), 1.0, 1e-9);
     // On the edge of a stair it goes on smoothly upwards; downwards it falls at once.

@@ -16,7 +16,7 @@ fn set(fmu: &Fmu, on: fmi2Boolean, categories: &[&CStr]) -> fmi2Status {
 }
 
 #[test]
-fn with_logging_on_events_are_told() {
+fn with_logging_on_events_are_reported() {
     let fmu = logging(fmi2True);
     fmu.start(0.5);
     fmu.terminate();
@@ -34,7 +34,7 @@ fn with_logging_on_events_are_told() {
 }
 
 #[test]
-fn with_logging_off_only_failures_are_told() {
+fn with_logging_off_only_failures_are_reported() {
     let fmu = logging(fmi2False);
     fmu.start(0.0);
     assert!(fmu.messages().is_empty());

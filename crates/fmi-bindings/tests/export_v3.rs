@@ -452,7 +452,7 @@ fn what_is_not_offered_is_refused_at_instantiation() {
 }
 
 #[test]
-fn with_logging_off_nothing_is_told() {
+fn with_logging_off_nothing_is_reported() {
     let fmu = Fmu3::with(plant, &Arguments { logging_on: false, ..Arguments::of(plant) });
     assert_eq!(fmu.step(0.0, 1.0), fmi3Error);
     assert!(fmu.messages.lock().unwrap().is_empty());

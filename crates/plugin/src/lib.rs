@@ -156,7 +156,7 @@ impl Plugin {
     /// What the plugin says about its card; none if it says nothing.
     pub fn describe(&mut self) -> Option<String> {
         let mut text = vec![0_u8; TEXT];
-        // SAFETY: the card is open, the buffer as long as is said.
+        // SAFETY: the card is open, the buffer as long as stated.
         let code = unsafe { (self.describe)(self.card, text.as_mut_ptr().cast(), TEXT as u32) };
         let end = text.iter().position(|byte| *byte == 0).unwrap_or(TEXT);
         let text = String::from_utf8_lossy(&text[..end]).trim().to_owned();

@@ -1,7 +1,7 @@
 //! The zip archive of an FMU, read as if its maker wished us harm.
 //!
 //! Nothing here writes: an archive is opened, its entries are listed, and every entry that must not
-//! be unpacked is told with the reason.
+//! be unpacked is reported with the reason.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
@@ -346,7 +346,7 @@ fn central_directory(path: &Path, start: u64, limits: &Limits) -> io::Result<Vec
 }
 
 /// The first name that stands twice in the central directory for different files. The same file may
-/// (CRC-32 and size), as CMake adds files and folders again that it is told twice.
+/// (CRC-32 and size), as CMake adds files and folders again that it is given twice.
 fn first_duplicate(headers: &[Header]) -> Option<String> {
     let mut seen = HashMap::new();
     let again = headers.iter().find(|header| {

@@ -69,7 +69,7 @@ impl PackageBuilder {
     /// Adds a file that the FMU reads when it runs, below `resources/`.
     ///
     /// # Errors
-    /// As [`PackageBuilder::entry`].
+    /// The path is refused, or taken already.
     pub fn resource(&mut self, path: &str, content: Vec<u8>) -> Result<&mut Self, PackageError> {
         self.entry(format!("resources/{path}"), content)
     }
@@ -78,7 +78,7 @@ impl PackageBuilder {
     /// `buildDescription.xml` (3.0) says which are compiled.
     ///
     /// # Errors
-    /// As [`PackageBuilder::entry`].
+    /// The path is refused, or taken already.
     pub fn source(&mut self, path: &str, content: Vec<u8>) -> Result<&mut Self, PackageError> {
         self.entry(format!("sources/{path}"), content)
     }
@@ -86,7 +86,7 @@ impl PackageBuilder {
     /// Adds a WebAssembly component by the draft of FMI-LS-WASM, with its manifest; for FMI 3.0 only.
     ///
     /// # Errors
-    /// As [`PackageBuilder::entry`].
+    /// The path is refused, or taken already.
     pub fn component(&mut self, component: &[u8]) -> Result<&mut Self, PackageError> {
         for identifier in self.model_identifiers.clone() {
             let path = format!("binaries/{}/{identifier}.wasm", super::WASM);
@@ -110,7 +110,7 @@ impl PackageBuilder {
     /// Adds a file for people, below `documentation/`; they start at `index.html`.
     ///
     /// # Errors
-    /// As [`PackageBuilder::entry`].
+    /// The path is refused, or taken already.
     pub fn documentation(
         &mut self,
         path: &str,
@@ -123,7 +123,7 @@ impl PackageBuilder {
     /// is `license.txt` or `license.html`.
     ///
     /// # Errors
-    /// As [`PackageBuilder::entry`].
+    /// The path is refused, or taken already.
     pub fn license(&mut self, path: &str, content: Vec<u8>) -> Result<&mut Self, PackageError> {
         match self.version {
             FmiVersion::V2 => self.entry(format!("licenses/{path}"), content),
@@ -134,7 +134,7 @@ impl PackageBuilder {
     /// Adds a file for tools, below `extra/`; the next folder is the tool's reversed domain.
     ///
     /// # Errors
-    /// As [`PackageBuilder::entry`].
+    /// The path is refused, or taken already.
     pub fn extra(&mut self, path: &str, content: Vec<u8>) -> Result<&mut Self, PackageError> {
         self.entry(format!("extra/{path}"), content)
     }
@@ -193,7 +193,7 @@ impl PackageBuilder {
         Ok(bytes.into_inner())
     }
 
-    /// Writes the `.fmu`; the file appears whole or not at all.
+    /// Writes the `.fmu`; the file appears complete or not at all.
     ///
     /// # Errors
     /// If the zip writer fails or the file cannot be written.
@@ -205,7 +205,7 @@ impl PackageBuilder {
     }
 }
 
-/// Writes an archive of these entries, each with its path; the file appears whole or not at all.
+/// Writes an archive of these entries, each with its path; the file appears complete or not at all.
 pub(crate) fn write_archive<'a>(
     path: &Path,
     entries: impl Iterator<Item = (&'a str, &'a [u8])>,

@@ -50,7 +50,7 @@ pub enum EntryDefect {
         /// The compression method.
         method: String,
     },
-    /// The same name again.
+    /// Two entries have the same name.
     #[error("the name stands in the archive twice")]
     Duplicate,
     /// A name that is a file here and a folder there.
@@ -144,7 +144,7 @@ pub enum PackageError {
     Entry {
         /// The archive.
         archive: PathBuf,
-        /// The entry's name; empty if the archive as a whole is meant.
+        /// The entry's name; empty if the archive itself is meant.
         entry: String,
         /// Why.
         defect: EntryDefect,

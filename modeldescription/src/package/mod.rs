@@ -58,7 +58,7 @@ impl Package {
     /// [`Package::open`] with other limits than the default.
     ///
     /// # Errors
-    /// As [`Package::open`].
+    /// The archive, an entry or the description is refused.
     pub fn open_within(path: impl AsRef<Path>, limits: &Limits) -> Result<Self, PackageError> {
         let path = path.as_ref();
         let unpacked = match path.is_dir() {

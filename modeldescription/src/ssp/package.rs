@@ -40,7 +40,7 @@ impl Ssp {
     /// [`Ssp::open`] with other limits than the default.
     ///
     /// # Errors
-    /// As [`Ssp::open`].
+    /// An archive that is refused, or everything that is wrong in its files.
     pub fn open_within(path: impl AsRef<Path>, limits: &Limits) -> Result<Self, SspError> {
         let path = path.as_ref();
         let is_ssd = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ssd"));
@@ -320,7 +320,7 @@ impl SspBuilder {
         Err(PackageError::Name { entry, reason }.into())
     }
 
-    /// Writes the `.ssp`; the file appears whole or not at all.
+    /// Writes the `.ssp`; the file appears complete or not at all.
     ///
     /// # Errors
     /// If the zip writer fails or the file cannot be written.

@@ -1,4 +1,4 @@
-//! SSP: what is written is read back, what is wrong is told with file and line, hierarchy and
+//! SSP: what is written is read back, what is wrong is reported with file and line, hierarchy and
 //! parameter bindings are resolved, hostile archives are refused, and foreign tools agree.
 #![allow(clippy::print_stdout)]
 

@@ -1,4 +1,4 @@
-//! What is wrong is told with file and line; hostile archives are refused.
+//! What is wrong is reported with file and line; hostile archives are refused.
 
 use modeldescription::ssp::*;
 
@@ -21,7 +21,7 @@ fn problems(system: &str, rest: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_problem_is_told_with_file_line_rule_and_way_out() {
+fn every_problem_is_reported_with_file_line_rule_and_way_out() {
     let component = |name: &str| {
         format!(
             "<s:Component name=\"{name}\" source=\"x.fmu\"><s:Connectors>\n\
@@ -65,7 +65,7 @@ fn every_problem_is_told_with_file_line_rule_and_way_out() {
 }
 
 #[test]
-fn what_cannot_be_read_is_told() {
+fn what_cannot_be_read_is_reported() {
     let cases = [
         ("", "<s:SystemStructureDescription> has no <System>"),
         ("<s:System name=\"\"/>", "has an empty name"),
@@ -122,7 +122,7 @@ fn what_cannot_be_read_is_told() {
 }
 
 #[test]
-fn what_is_wrong_with_a_signal_dictionary_is_told() {
+fn what_is_wrong_with_a_signal_dictionary_is_reported() {
     let described = |change: &dyn Fn(&mut SystemStructure)| {
         let mut structure = meeting();
         change(&mut structure);

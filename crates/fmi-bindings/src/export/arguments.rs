@@ -82,7 +82,7 @@ pub(super) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
 /// The texts of the importer.
 ///
 /// # Safety
-/// As [`array`] and [`text`], for each.
+/// `pointer` is null or points to `count` texts that end with a zero byte; nobody changes them meanwhile.
 pub(super) unsafe fn texts<'a>(
     pointer: *const *const c_char,
     count: usize,

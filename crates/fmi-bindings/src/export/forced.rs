@@ -1,4 +1,4 @@
-//! A panic forced inside every function of both edges: the status is Error, the importer is told, and
+//! A panic forced inside every function of both edges: the status is Error, the importer gets a message, and
 //! the instance can be reset and freed.
 
 use std::cell::Cell;
@@ -170,7 +170,7 @@ fn factory(_: &std::path::Path) -> Result<model::System, String> {
 
 type Received = Mutex<Vec<String>>;
 
-unsafe extern "C" fn told_3(
+unsafe extern "C" fn receive_v3(
     environment: *mut c_void,
     _: fmi3Status,
     _: *const c_char,
@@ -219,7 +219,7 @@ fn instance_3(folder: &std::path::Path, token: &CStr, received: &Received) -> fm
     let path = CString::new(format!("{}/", folder.display())).unwrap();
     let environment = std::ptr::from_ref(received).cast_mut().cast();
     let (name, token, path, no) = (c"it".as_ptr(), token.as_ptr(), path.as_ptr(), false);
-    let (log, none) = (Some(told_3 as fmi3LogMessageCallback), None);
+    let (log, none) = (Some(receive_v3 as fmi3LogMessageCallback), None);
     // SAFETY: good arguments.
     unsafe {
         v3::fmi3InstantiateCoSimulation(

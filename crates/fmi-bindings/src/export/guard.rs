@@ -43,7 +43,7 @@ pub(super) unsafe fn call<T: Guarded, R>(
 /// Tells the importer, and notes an error.
 ///
 /// # Safety
-/// As [`call`], and `instance` is not null.
+/// The contract of [`call`], and `instance` is not null.
 #[cold]
 unsafe fn report<T: Guarded>(instance: *mut T, function: &str, notice: &Notice) {
     // SAFETY: as the caller promises. No exclusive borrow is alive while the importer's logger

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use percent_encoding::percent_decode;
 
-/// What the importer said.
+/// What the importer gives.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Location<'a> {
     /// Nothing.

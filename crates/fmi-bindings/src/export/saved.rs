@@ -28,7 +28,7 @@ impl Snapshot {
 const MAGIC: &[u8; 8] = b"PZLSTATE";
 /// Version of the layout below.
 const VERSION: u32 = 4;
-/// magic, version, length of the whole, fingerprint.
+/// magic, version, length of all bytes, fingerprint.
 const HEAD: usize = 8 + 4 + 8 + 32;
 /// phase, flags, time, start. The stop time is the importer's and stays with the instance.
 const PROGRESS: usize = 1 + 1 + 8 + 8;

@@ -61,7 +61,7 @@ impl<'a> Finder<'a> {
     }
 
     /// # Safety
-    /// As for [`Binary::function`].
+    /// The contract of [`Binary::function`].
     pub(super) unsafe fn needed<F: Copy>(&mut self, name: &'static str) -> Option<F> {
         // SAFETY: promised by the caller.
         let function = unsafe { self.binary.function(name) };
@@ -72,7 +72,7 @@ impl<'a> Finder<'a> {
     }
 
     /// # Safety
-    /// As for [`Binary::function`].
+    /// The contract of [`Binary::function`].
     pub(super) unsafe fn other<F: Copy>(&mut self, name: &'static str) -> Option<F> {
         // SAFETY: promised by the caller.
         let function = unsafe { self.binary.function(name) };

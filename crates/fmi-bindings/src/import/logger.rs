@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_terminal_is_not_told_what_to_do() {
+    fn a_terminal_is_not_controlled() {
         assert_eq!(shown("a\u{1b}[31m\tb\r\nc"), "a\\u{1b}[31m\tb\nc");
     }
 }

@@ -136,7 +136,7 @@ pub fn callbacks() -> fmi2CallbackFunctions {
     }
 }
 
-/// An instance and what it said.
+/// An instance and its messages.
 pub struct Fmu {
     pub c: fmi2Component,
     pub recorder: Box<Recorder>,

@@ -172,8 +172,8 @@ impl Instance {
         Ok(())
     }
 
-    /// As [`directional_derivative`](Self::directional_derivative), of variables that may be arrays:
-    /// one component of the seed and one derivative for each element.
+    /// The directional derivative of variables that may be arrays: one component of the seed and one
+    /// derivative for each element.
     pub(in crate::export) fn directional_derivative_of_arrays(
         &mut self,
         knowns: &[u32],
@@ -193,8 +193,8 @@ impl Instance {
         done
     }
 
-    /// As [`output_slopes`](Self::output_slopes), of variables that may be arrays: one order for
-    /// each variable, one slope for each element.
+    /// The slopes of outputs that may be arrays: one order for each variable, one slope for each
+    /// element.
     pub(in crate::export) fn output_slopes_of_arrays(
         &mut self,
         references: &[u32],

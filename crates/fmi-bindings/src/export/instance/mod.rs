@@ -128,7 +128,7 @@ impl Instance {
     /// Carries out one call on an instance, where the call table allows it.
     ///
     /// # Safety
-    /// As [`guard::call`].
+    /// The contract of [`guard::call`].
     pub(super) unsafe fn call(
         pointer: *mut c_void,
         rule: &Rule,
@@ -252,7 +252,7 @@ impl Instance {
     /// cannot panic; `false`: nothing is done, and it takes [`call`](Self::call).
     ///
     /// # Safety
-    /// As [`guard::call`].
+    /// The contract of [`guard::call`].
     #[inline(always)]
     pub(super) unsafe fn affine_step(pointer: *mut c_void, time: f64, step: f64) -> bool {
         // SAFETY: null or alive and used by this thread only, as the caller promises.

@@ -61,7 +61,7 @@ impl Instance {
         Ok(old)
     }
 
-    /// Goes back to a saved state, which stays saved. The stop time is what the importer said of
+    /// Goes back to a saved state, which stays saved. The stop time is what the importer set for
     /// this run and stays as it is: a run that goes on from a saved state may have another one.
     pub(in crate::export) fn restore(&mut self, state: &SavedState) -> Outcome {
         self.check_model(state)?;

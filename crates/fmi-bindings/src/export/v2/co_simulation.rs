@@ -1,7 +1,7 @@
 //! The functions for co-simulation.
 //!
 //! # Safety
-//! As [`v2`](super).
+//! The contract of all functions of [`v2`](super).
 
 use super::*;
 

@@ -36,7 +36,7 @@ use table::*;
 /// One call, by the rules of the table.
 ///
 /// # Safety
-/// As all functions here.
+/// The contract of all functions here.
 unsafe fn call(
     c: fmi2Component,
     rule: &Rule,
@@ -422,7 +422,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
 /// A function that the table allows in no state.
 ///
 /// # Safety
-/// As all functions here.
+/// The contract of all functions here.
 unsafe fn never(c: fmi2Component, rule: &Rule) -> fmi2Status {
     // SAFETY: the contract of all functions here.
     unsafe { call(c, rule, |_| Err(Notice::error("is not offered"))) }

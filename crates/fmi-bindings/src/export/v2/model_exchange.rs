@@ -1,7 +1,7 @@
 //! The functions for model exchange, which this kind of FMU does not offer: all are refused.
 //!
 //! # Safety
-//! As [`v2`](super).
+//! The contract of all functions of [`v2`](super).
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! The functions for co-simulation.
 //!
 //! # Safety
-//! As [`v3`](super).
+//! The contract of all functions of [`v3`](super).
 
 use super::*;
 

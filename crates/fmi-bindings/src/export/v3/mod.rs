@@ -49,7 +49,7 @@ pub fn time_reference(variables: &VariableTable) -> fmi3ValueReference {
 /// One call, by the rules of the table.
 ///
 /// # Safety
-/// As all functions here.
+/// The contract of all functions here.
 unsafe fn call(
     instance: fmi3Instance,
     rule: &Rule,
@@ -62,7 +62,7 @@ unsafe fn call(
 /// A function that the table allows in no state.
 ///
 /// # Safety
-/// As all functions here.
+/// The contract of all functions here.
 unsafe fn never(instance: fmi3Instance, rule: &Rule) -> fmi3Status {
     // SAFETY: the contract of all functions here.
     unsafe { call(instance, rule, |_| Err(Notice::error("is not offered"))) }
@@ -185,7 +185,7 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
 /// standard demands a message with each null pointer (§2.3.1).
 ///
 /// # Safety
-/// As all functions here.
+/// The contract of all functions here.
 unsafe fn refuse(function: &str, name: fmi3String, sink: Sink, why: &str) -> fmi3Instance {
     // SAFETY: the caller's text.
     let name = unsafe { text(name) }.unwrap_or(c"").into();

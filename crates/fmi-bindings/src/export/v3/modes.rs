@@ -2,7 +2,7 @@
 //! In the order of the header.
 //!
 //! # Safety
-//! As [`v3`](super).
+//! The contract of all functions of [`v3`](super).
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! Dependencies, FMU states and partial derivatives.
 //!
 //! # Safety
-//! As [`v3`](super).
+//! The contract of all functions of [`v3`](super).
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! Getting and setting variable values, in the order of the header.
 //!
 //! # Safety
-//! As [`v3`](super).
+//! The contract of all functions of [`v3`](super).
 
 use super::*;
 

@@ -43,7 +43,7 @@ pub(super) struct Wrapped<O> {
     pub(super) phase: Phase,
     /// A value was set in the initialization mode: the outputs do not follow it yet.
     stale: bool,
-    /// As `stale`, of one of the repair's own variables.
+    /// One of the repair's own variables was set: the original has not got what follows from it yet.
     is_touched: bool,
     references: Vec<u32>,
     values: Vec<f64>,
@@ -78,7 +78,7 @@ impl<O> Guarded for Wrapped<O> {
 /// Carries out one call.
 ///
 /// # Safety
-/// As [`guard::call`].
+/// The contract of [`guard::call`].
 pub(super) unsafe fn call<O>(
     pointer: *mut c_void,
     function: &str,

@@ -95,7 +95,7 @@ impl Library {
     /// Any function of the library.
     ///
     /// # Safety
-    /// As for [`Binary::function`].
+    /// The contract of [`Binary::function`].
     #[cfg(feature = "wrap")]
     pub(crate) unsafe fn function<F: Copy>(&self, name: &str) -> Option<F> {
         // SAFETY: promised by the caller.

@@ -11,7 +11,7 @@ use crate::fmi3::*;
 
 /// The FMI 3.0 functions of one FMU's library that co-simulation uses.
 ///
-/// As for FMI 2.0, those without which nothing can be simulated must be there; an absent other one
+/// Those without which nothing can be simulated must be there; an absent other one
 /// is an error only when it is needed.
 pub struct Library {
     pub(crate) functions: Functions,
@@ -132,7 +132,7 @@ impl Library {
     /// Any function of the library.
     ///
     /// # Safety
-    /// As for [`Binary::function`].
+    /// The contract of [`Binary::function`].
     #[cfg(feature = "wrap")]
     pub(crate) unsafe fn function<F: Copy>(&self, name: &str) -> Option<F> {
         // SAFETY: promised by the caller.

@@ -6,13 +6,13 @@ use super::instance::Instance;
 use crate::fmi3::*;
 
 impl Instance {
-    /// Saves the whole state (`fmi3GetFMUState`).
+    /// Saves the complete state (`fmi3GetFMUState`).
     pub fn save_state(&mut self) -> Result<SavedState, Error> {
         let pointer = self.get_fmu_state(std::ptr::null_mut())?;
         Ok(self.states.insert(pointer))
     }
 
-    /// Saves the whole state into memory of an earlier save, which most FMUs do without
+    /// Saves the complete state into memory of an earlier save, which most FMUs do without
     /// allocating.
     pub fn save_state_into(&mut self, state: &SavedState) -> Result<(), Error> {
         let old = self.saved(state)?;

@@ -1,7 +1,7 @@
 //! Directional derivatives through a repair.
 //!
 //! # Safety
-//! As [`v2`](super).
+//! The contract of all functions of [`v2`](super).
 
 use super::super::derivative::Differentiable;
 use super::*;

@@ -1,7 +1,7 @@
 //! The functions of FMI 2.0 of a repaired FMU, in the order of the header.
 //!
 //! # Safety
-//! As [`export::v2`](crate::export::v2).
+//! The contract of all functions of [`export::v2`](crate::export::v2).
 #![allow(
     non_snake_case,
     non_upper_case_globals,
@@ -68,7 +68,7 @@ impl Original for Inner {
 /// One call.
 ///
 /// # Safety
-/// As all functions here.
+/// The contract of all functions here.
 unsafe fn call(
     c: fmi2Component,
     function: &str,

@@ -1,7 +1,7 @@
 //! What is not offered through a repair.
 //!
 //! # Safety
-//! As [`v2`](super).
+//! The contract of all functions of [`v2`](super).
 
 use super::*;
 

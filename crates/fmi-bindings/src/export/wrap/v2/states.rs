@@ -1,7 +1,7 @@
 //! FMU states of a repaired FMU: the original's with those of the effects.
 //!
 //! # Safety
-//! As [`v2`](super).
+//! The contract of all functions of [`v2`](super).
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! Getting and setting variable values of a repaired FMU.
 //!
 //! # Safety
-//! As [`v2`](super).
+//! The contract of all functions of [`v2`](super).
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! Directional derivatives through a repair.
 //!
 //! # Safety
-//! As [`v3`](super).
+//! The contract of all functions of [`v3`](super).
 
 use super::super::derivative::Differentiable;
 use super::*;

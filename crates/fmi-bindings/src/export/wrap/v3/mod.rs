@@ -1,7 +1,7 @@
 //! The functions of FMI 3.0 of a repaired FMU, in the order of the header.
 //!
 //! # Safety
-//! As [`export::v3`](crate::export::v3).
+//! The contract of all functions of [`export::v3`](crate::export::v3).
 #![allow(
     non_snake_case,
     non_upper_case_globals,
@@ -95,7 +95,7 @@ impl Original for Inner {
 /// One call.
 ///
 /// # Safety
-/// As all functions here.
+/// The contract of all functions here.
 unsafe fn call(
     instance: fmi3Instance,
     function: &str,

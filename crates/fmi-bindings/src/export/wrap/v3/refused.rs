@@ -1,7 +1,7 @@
 //! What is not offered through a repair.
 //!
 //! # Safety
-//! As [`v3`](super).
+//! The contract of all functions of [`v3`](super).
 
 use super::*;
 
