@@ -2,9 +2,13 @@
 
 use model::{BuildError, NodeSpec, System, Unit, unit_on_axis};
 
-use super::check::{Checker, Draft, MOST_CELLS};
+use super::checker::Checker;
+use super::draft::Draft;
 use super::measure;
 use super::origin::Place;
+
+/// Cells (8 bytes each) that a model may have: 128 MiB.
+const MOST_CELLS: usize = 1 << 24;
 
 /// The system that the draft says, where it says one; problems are reported.
 pub(super) fn system(checker: &mut Checker<'_>, draft: &Draft) -> Option<System> {

@@ -4,9 +4,10 @@ use model::{
     AxisSpec, Component, ComponentRef, Declaration, NodeSpec, Quantity, Shape, Within, unit_on_axis,
 };
 
-use super::check::{Checker, DraftAxis, DraftNode};
+use super::checker::Checker;
+use super::draft::{DraftAxis, DraftNode};
 use super::origin::Place;
-use super::{AxisBlueprint, ComponentBlueprint, TABLE, Value, frame, measure, structure};
+use super::{AxisBlueprint, ComponentBlueprint, TABLE, Value, measure, structure};
 use crate::nearest::did_you_mean;
 
 /// Keys of a component that are not quantities.
@@ -24,7 +25,7 @@ pub(super) fn chain<'a>(
         spec.position_unit.clone_from(position_unit_at(number - 1));
         let key = place.child("component").item(number);
         if !given.name.is_empty() {
-            frame::is_name(checker, &key.child("name"), &given.name);
+            checker.check_name(&key.child("name"), &given.name);
         }
         let Some(component) = find(checker, given, &key) else {
             draft.has_gaps = true;
@@ -102,7 +103,7 @@ impl Member<'_> {
         let before = checker.problems.len();
         self.check_keys(checker, component.takes_table());
         self.check_tolerances(checker);
-        let counts = structure::counts(checker, self);
+        let counts = structure::counts(checker, self.given, self.declaration, self.place);
         let lengths = |index| counts.get(index).copied().flatten();
         let structure: Vec<f64> = counts
             .iter()

@@ -2,7 +2,7 @@
 
 use model::{AxisSpec, PortSpec};
 
-use super::check::Checker;
+use super::checker::Checker;
 use super::origin::Place;
 use crate::nearest::did_you_mean;
 

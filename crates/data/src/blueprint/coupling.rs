@@ -8,12 +8,12 @@ use model::{
     Stage, SystemSpec, unit_on_axis,
 };
 
-use super::check::Checker;
+use super::checker::Checker;
 use super::component::{self, Member};
 use super::origin::Place;
 use super::{
     AxisBlueprint, CheckedBlueprint, ComponentBlueprint, CouplingBlueprint, SignalBlueprint, Value,
-    frame,
+    signal,
 };
 use crate::nearest::did_you_mean;
 
@@ -73,8 +73,8 @@ pub(super) fn motion_unit(
     if axis.motion == SignalBlueprint::default() {
         return None;
     }
-    frame::forbid(checker, &place, &axis.motion, &["name", "min", "max", "start"]);
-    Some(frame::unit(checker, &place, &axis.motion))
+    signal::forbid(checker, &place, &axis.motion, &["name", "min", "max", "start"]);
+    Some(signal::unit(checker, &place, &axis.motion))
 }
 
 /// The number of components in front of the optics, or the coordinator, of this axis; all where there
@@ -153,13 +153,13 @@ fn input(
     if refused_in_controller(checker, place) {
         return;
     }
-    frame::forbid(checker, place, signal, &["min", "max"]);
+    signal::forbid(checker, place, signal, &["min", "max"]);
     let usual = unit_on_axis(demanded.unit, "1", position);
     let mut signal = signal.clone();
     if signal.unit.is_empty() {
         signal.unit.clone_from(&usual);
     }
-    let unit = frame::unit(checker, place, &signal);
+    let unit = signal::unit(checker, place, &signal);
     let (Ok(parsed), Ok(own)) = (model::Unit::parse(&unit), model::Unit::parse(&usual)) else {
         return;
     };
@@ -171,10 +171,10 @@ fn input(
     }
     let free = (f64::NEG_INFINITY, f64::INFINITY);
     let start = match signal.start {
-        Some(_) => frame::start(checker, place, &signal, free, &unit),
+        Some(_) => signal::start(checker, place, &signal, free, &unit),
         None => own.convert(demanded.start, &parsed).unwrap_or(demanded.start),
     };
-    let alias = frame::alias(checker, place, &signal, aliases);
+    let alias = signal::alias(checker, place, &signal, aliases);
     inputs.push(InputSpec { variable, alias, unit, start });
 }
 
@@ -229,7 +229,7 @@ fn one(
     }
     let own = &given.component.name;
     if !own.is_empty() {
-        frame::is_name(checker, &key.child("name"), own);
+        checker.check_name(&key.child("name"), own);
     }
     let name = if own.is_empty() { declaration.name } else { own }.to_string();
     let place = key.clone().shown_as(&Place::new("coupling"), &name);

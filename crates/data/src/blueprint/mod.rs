@@ -39,14 +39,18 @@
 
 mod build;
 mod check;
+mod checker;
 mod component;
 mod connection;
 mod coupling;
+mod draft;
 mod frame;
 mod measure;
 mod origin;
 mod read;
+mod reader;
 mod record;
+mod signal;
 mod structure;
 mod table;
 mod write;

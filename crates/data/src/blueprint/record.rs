@@ -18,7 +18,7 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::origin::Place;
-use super::read::Reader;
+use super::reader::Reader;
 use super::{ComponentBlueprint, Value};
 use crate::nearest::did_you_mean;
 use crate::toml_text::{self, shown};
