@@ -3,9 +3,11 @@
 use std::collections::HashSet;
 
 use super::dataset::Dataset;
-use super::header::{Context, Header, Role, split};
+use super::header::{Context, Header, Role};
+use super::header_cell::split;
+use super::lines::Place;
 use super::notes::LeftOut;
-use super::table::{Grid, Place, Table};
+use super::table::{Grid, Table};
 use super::ticks::{Base, Start};
 use super::{ColumnUnit, Log, ReadOptions, join, time_column};
 use crate::{Problem, Problems, counted, nearest};

@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 use model::Unit;
 
 use super::dataset::Dataset;
+use super::header_cell::{split, split_unit};
 use super::text::{Kind, Layout};
+use super::units::SECOND;
 use super::{ColumnUnit, ReadOptions, time_column};
 use crate::nearest::did_you_mean;
 use crate::{Problem, nearest};
@@ -76,21 +78,6 @@ pub(super) fn writable(name: &str) -> String {
     name
 }
 
-/// Name and unit of a cell of the header: `y [um]` and `y[um]` are y in um; `position[1]` is a name.
-pub(super) fn split(cell: &str) -> (&str, Option<&str>) {
-    let trimmed = cell.trim();
-    let Some((name, unit)) = trimmed.strip_suffix(']').and_then(|rest| rest.rsplit_once('['))
-    else {
-        return (trimmed, None);
-    };
-    let is_index = unit.chars().all(|c| c.is_ascii_digit() || matches!(c, ',' | ' '));
-    let is_apart = name.ends_with(char::is_whitespace);
-    if name.trim().is_empty() || (is_index && !is_apart) {
-        return (trimmed, None);
-    }
-    (name.trim_end(), Some(unit.trim()))
-}
-
 /// What is known about the columns beside the header.
 pub(super) struct Context<'a> {
     pub(super) file: &'a str,
@@ -140,8 +127,9 @@ impl Context<'_> {
         let named: Vec<(&str, Option<&str>)> = cells
             .iter()
             .map(|cell| match split(cell) {
-                (name, None) if !is_own => time_column::split_unit(name)
-                    .map_or((name, None), |(name, unit)| (name, Some(unit))),
+                (name, None) if !is_own => {
+                    split_unit(name).map_or((name, None), |(name, unit)| (name, Some(unit)))
+                }
                 trimmed => trimmed,
             })
             .collect();
@@ -365,25 +353,9 @@ impl Context<'_> {
     }
 }
 
-/// The unit of time.
-pub(super) const SECOND: Unit =
-    Unit { exponents: [0, 0, 1, 0, 0, 0, 0, 0], factor: 1.0, offset: 0.0 };
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn tells_units_from_indices() {
-        assert_eq!(split("y [um]"), ("y", Some("um")));
-        assert_eq!(split("y[um]"), ("y", Some("um")));
-        assert_eq!(split(" position[1] "), ("position[1]", None));
-        assert_eq!(split("position[1] [um]"), ("position[1]", Some("um")));
-        assert_eq!(split("x[1,2]"), ("x[1,2]", None));
-        assert_eq!(split("ratio [1]"), ("ratio", Some("1")));
-        assert_eq!(split("[um]"), ("[um]", None));
-        assert_eq!(split("plain"), ("plain", None));
-    }
 
     #[test]
     fn refuses_names_that_would_not_be_read_again() {
@@ -403,10 +375,5 @@ mod tests {
             assert!(check_name(&writable(bad)).is_ok());
         }
         assert_eq!((writable("time"), writable("record")), ("time_".into(), "record_".into()));
-    }
-
-    #[test]
-    fn the_second_is_the_model_s() {
-        assert_eq!(Unit::parse("s"), Ok(SECOND));
     }
 }

@@ -1,6 +1,36 @@
 //! Where the rows of a log stand in their file.
 
-use super::table::Place;
+use std::fmt;
+
+use crate::Problem;
+
+/// Where a row stands in its file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// Line of a text, from 1.
+    Line(usize),
+    /// Row of a table without lines, from 1.
+    Row(usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Row(row) => write!(f, "row {row}"),
+        }
+    }
+}
+
+impl Place {
+    /// The problem, with this place.
+    pub(super) fn locate(self, problem: Problem) -> Problem {
+        match self {
+            Self::Line(line) => problem.line(line),
+            Self::Row(row) => problem.row(row),
+        }
+    }
+}
 
 /// A place per row, kept where it is not the one behind the place of the row before.
 #[derive(Clone, Debug, Default)]

@@ -31,6 +31,7 @@ mod formats;
 mod formats;
 mod group;
 mod header;
+mod header_cell;
 mod join;
 mod lines;
 mod mf4;
@@ -55,7 +56,7 @@ use std::path::Path;
 
 use model::Unit;
 
-use lines::Lines;
+use lines::{Lines, Place};
 
 pub use dataset::sidecar_of;
 #[cfg(feature = "formats")]
@@ -358,8 +359,8 @@ impl Log {
     #[must_use]
     pub fn place_of(&self, row: usize) -> String {
         match self.lines.at(row) {
-            Some(table::Place::Line(line)) => format!("{}:{line}", self.origin),
-            Some(table::Place::Row(number)) => format!("{}: row {number}", self.origin),
+            Some(Place::Line(line)) => format!("{}:{line}", self.origin),
+            Some(Place::Row(number)) => format!("{}: row {number}", self.origin),
             None => format!("{}: row {}", self.origin, row + 1),
         }
     }

@@ -1,7 +1,7 @@
 //! Rows of the same time: jumps of a signal, or times that were written with too few digits.
 
+use super::lines::Place;
 use super::quality::median;
-use super::table::Place;
 use super::ticks::EXACT;
 
 /// Rows from which times can be judged.

@@ -3,11 +3,10 @@
 mod times;
 
 use std::collections::BTreeSet;
-use std::fmt;
 
 pub(super) use self::times::Grid;
 use super::header::{Head, Role};
-use super::lines::Lines;
+use super::lines::{Lines, Place};
 use super::notes::{LeftOut, Remarks};
 use super::repeats::{self, Repeats};
 use super::text::Since;
@@ -17,33 +16,6 @@ use crate::{Problem, Problems, counted};
 
 /// Problems that are listed; the rest is counted.
 const MOST_PROBLEMS: usize = 20;
-
-/// Where a row stands in its file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
-    /// Line of a text, from 1.
-    Line(usize),
-    /// Row of a table without lines, from 1.
-    Row(usize),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Line(line) => write!(f, "line {line}"),
-            Self::Row(row) => write!(f, "row {row}"),
-        }
-    }
-}
-
-impl Place {
-    fn of(self, problem: Problem) -> Problem {
-        match self {
-            Self::Line(line) => problem.line(line),
-            Self::Row(row) => problem.row(row),
-        }
-    }
-}
 
 /// The rows that were read so far.
 pub(super) struct Table<'a> {
@@ -192,7 +164,7 @@ impl<'a> Table<'a> {
         self.note(|table| {
             let rule =
                 format!("a part begins with other columns, {cells}, than the first, {names}");
-            place.of(Problem::new(table.origin, rule, "save the parts to files of their own"))
+            place.locate(Problem::new(table.origin, rule, "save the parts to files of their own"))
         });
     }
 
@@ -274,7 +246,7 @@ impl<'a> Table<'a> {
                 }
                 is_good = false;
                 self.note(|table| {
-                    let problem = place.of(Problem::new(table.origin, rule, way_out));
+                    let problem = place.locate(Problem::new(table.origin, rule, way_out));
                     let shown = String::from_utf8_lossy(&cell[..cell.len().min(200)]);
                     problem.at(table.name(column)).value(format!("\"{shown}\""))
                 });
@@ -295,7 +267,7 @@ impl<'a> Table<'a> {
                     let problem =
                         Problem::new(table.origin, rule, "write it as in 2026-11-25 03:00:00.001");
                     let shown = String::from_utf8_lossy(&cell[..cell.len().min(200)]);
-                    place.of(problem).at(table.name(at)).value(format!("\"{shown}\""))
+                    place.locate(problem).at(table.name(at)).value(format!("\"{shown}\""))
                 });
                 f64::NAN
             });
@@ -315,7 +287,7 @@ impl<'a> Table<'a> {
             if let Err((rule, way_out)) = cell::check(self.cells[column]) {
                 is_good = false;
                 self.note(|table| {
-                    let problem = place.of(Problem::new(table.origin, rule, way_out));
+                    let problem = place.locate(Problem::new(table.origin, rule, way_out));
                     problem.at(table.name(column)).value(table.cells[column])
                 });
                 self.cells[column] = f64::NAN;
@@ -381,7 +353,7 @@ impl<'a> Table<'a> {
             "give each row as many cells as the header has names; look for a line that was cut off"
         };
         let rule = format!("the row has {found} cells, the header {wanted}");
-        place.of(Problem::new(self.origin, rule, way_out))
+        place.locate(Problem::new(self.origin, rule, way_out))
     }
 
     /// The log, or everything that is wrong with the rows.
@@ -404,7 +376,7 @@ impl<'a> Table<'a> {
                 self.repeats.rows
             );
             let problem =
-                place.of(Problem::new(self.origin, rule, "give the sample rate: --rate HZ"));
+                place.locate(Problem::new(self.origin, rule, "give the sample rate: --rate HZ"));
             let name = self.time_at.map_or("time", |at| self.name(at));
             return Err(problem.at(name).value(format!("{time} s")).into());
         }

@@ -1,8 +1,9 @@
 //! Which column holds the time.
 
 use super::ColumnUnit;
-use super::header::{SECOND, split};
+use super::header_cell::{split, split_unit};
 use super::text::Kind;
+use super::units::SECOND;
 
 /// What columns of time are called, in small letters without signs between them.
 const NAMES: [&str; 31] = [
@@ -64,24 +65,6 @@ pub(super) fn of_name(name: &str) -> Option<Option<&'static str>> {
     let (before, ending) = name.rsplit_once(['_', ' ', '.', '-'])?;
     let (_, unit) = ENDINGS.iter().find(|(known, _)| ending.eq_ignore_ascii_case(known))?;
     is_known(before).then_some(Some(unit))
-}
-
-/// Name and unit where the unit stands in parentheses or behind a stroke: `CH1 (V)`, `CH1(V)`, `t / s`, `U in V`. A
-/// unit of time without a name, as in `in s` or `[s]`, is that of the time.
-pub(super) fn split_unit(name: &str) -> Option<(&str, &str)> {
-    let between = |open: char, close: char| name.strip_prefix(open)?.strip_suffix(close);
-    let alone =
-        name.strip_prefix("in ").or_else(|| between('[', ']')).or_else(|| between('(', ')'));
-    if let Some(unit) = alone.map(str::trim) {
-        let is_time = ColumnUnit::parse(unit).is_ok_and(|unit| unit.unit.is_compatible(&SECOND));
-        return is_time.then_some(("time", unit));
-    }
-    let in_parentheses = name.strip_suffix(')').and_then(|rest| rest.rsplit_once('('));
-    let behind = || name.rsplit_once(" / ").or_else(|| name.rsplit_once(" in "));
-    let (name, unit) = in_parentheses.or_else(behind)?;
-    let (name, unit) = (name.trim(), unit.trim());
-    let is_unit = !unit.is_empty() && (unit == "S" || ColumnUnit::parse(unit).is_ok());
-    (is_unit && !name.is_empty()).then_some((name, unit))
 }
 
 /// The column of time among those with these names and units: by its name, else by its unit where it is one of the
@@ -146,19 +129,6 @@ mod tests {
         assert_eq!(of_name("t_us"), Some(Some("us")));
         for name in ["u", "x", "", "temperature", "y_ms", "times", "T1"] {
             assert_eq!(of_name(name), None, "{name}");
-        }
-    }
-
-    #[test]
-    fn units_in_parentheses_and_behind_strokes() {
-        assert_eq!(split_unit("Time(S)"), Some(("Time", "S")));
-        assert_eq!(split_unit("Channel 1 (V)"), Some(("Channel 1", "V")));
-        assert_eq!(split_unit("t / s"), Some(("t", "s")));
-        assert_eq!(split_unit("Weg in µm"), Some(("Weg", "µm")));
-        assert_eq!(split_unit("in s"), Some(("time", "s")));
-        assert_eq!(split_unit("[ms]"), Some(("time", "ms")));
-        for name in ["in V", "[V]", "y (filtered)", "der(x)", "(V)", "u", "a/b"] {
-            assert_eq!(split_unit(name), None, "{name}");
         }
     }
 }

@@ -4,6 +4,10 @@ use model::{Unit, UnitError};
 
 use super::ColumnUnit;
 
+/// The unit of time.
+pub(super) const SECOND: Unit =
+    Unit { exponents: [0, 0, 1, 0, 0, 0, 0, 0], factor: 1.0, offset: 0.0 };
+
 impl ColumnUnit {
     /// Reads a unit: symbols as [`Unit::parse`] takes them, and the words and signs of the field, as in
     /// `Volts`, `hours`, `°C`, `m/s²`; `-`, `hex`, `bool` and the like are 1. The text that is kept is one
@@ -149,5 +153,10 @@ mod tests {
             assert_eq!(Unit::parse(&unit.text), Ok(unit.unit), "{words}");
         }
         assert!(ColumnUnit::parse("furlong").is_err());
+    }
+
+    #[test]
+    fn the_second_is_the_model_s() {
+        assert_eq!(Unit::parse("s"), Ok(SECOND));
     }
 }

@@ -1,9 +1,11 @@
 //! Which record a row belongs to, and its time.
 
-use super::super::header::{Role, SECOND};
+use super::super::header::Role;
+use super::super::lines::Place;
 use super::super::repeats;
 use super::super::ticks::EXACT;
-use super::{Place, Table};
+use super::super::units::SECOND;
+use super::Table;
 use crate::Problem;
 
 /// The times of rows that have none.
@@ -46,7 +48,7 @@ impl Table<'_> {
                 let way_out = "keep the rows of a record together, or number it differently";
                 let name = table.record_at.map_or("record", |at| table.name(at));
                 let problem = Problem::new(table.origin, "the record appeared before", way_out);
-                place.of(problem).at(name).value(record)
+                place.locate(problem).at(name).value(record)
             });
         }
         let time = self.time_of(is_new)?;
@@ -107,7 +109,7 @@ impl Table<'_> {
         }
         self.note(|table| {
             let (rule, way_out) = ("a record has a whole number", "number the records 0, 1, 2, …");
-            let problem = place.of(Problem::new(table.origin, rule, way_out));
+            let problem = place.locate(Problem::new(table.origin, rule, way_out));
             problem.at(table.name(column)).value(cell)
         });
         None
@@ -122,6 +124,6 @@ impl Table<'_> {
             let rule = format!("time goes back from {last} s inside a record");
             (rule, "sort the rows, or give the new record its own number")
         };
-        place.of(Problem::new(self.origin, rule, way_out)).at(name).value(format!("{time} s"))
+        place.locate(Problem::new(self.origin, rule, way_out)).at(name).value(format!("{time} s"))
     }
 }

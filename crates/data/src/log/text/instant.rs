@@ -1,7 +1,7 @@
 //! Dates and clock times, as instruments, pandas and spreadsheets write them.
 
 use crate::log::ColumnUnit;
-use crate::log::header::SECOND;
+use crate::log::units::SECOND;
 
 /// Nanoseconds of a day.
 const DAY: i64 = 86_400_000_000_000;

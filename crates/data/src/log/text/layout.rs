@@ -7,7 +7,7 @@ use super::cells::{Dialect, Kind, comment};
 use super::decode;
 use super::instant::Instant;
 use super::preamble::Preamble;
-use crate::log::header::split;
+use crate::log::header_cell::{split, split_unit};
 use crate::log::{ColumnUnit, cell, time_column};
 
 /// Lines that are looked at.
@@ -307,7 +307,7 @@ impl Layout {
         let units: Vec<&String> = units.filter(|unit| ColumnUnit::parse(unit).is_ok()).collect();
         let has_own = |at: &usize| {
             let name = names.get(*at).map_or("", String::as_str);
-            split(name).1.is_some() || time_column::split_unit(name).is_some()
+            split(name).1.is_some() || split_unit(name).is_some()
         };
         if units.len() != signals.len() || signals.iter().any(has_own) {
             return Vec::new();

@@ -24,8 +24,10 @@ use ends::Ends;
 use preamble::Preamble;
 
 use super::dataset::{self, Dataset};
-use super::header::{Context, Header, Role, split};
-use super::table::{Grid, Place, Table};
+use super::header::{Context, Header, Role};
+use super::header_cell::split;
+use super::lines::Place;
+use super::table::{Grid, Table};
 use super::{ColumnUnit, Log, ReadOptions, cell, formats, time_column};
 use crate::{Problem, Problems, counted};
 

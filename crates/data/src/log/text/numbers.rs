@@ -4,7 +4,8 @@
 use std::io::{self, Read};
 use std::thread;
 
-use crate::log::table::{Place, Table};
+use crate::log::lines::Place;
+use crate::log::table::Table;
 use crate::log::ticks::Base;
 
 /// Bytes that each thread takes at a time.

@@ -7,15 +7,15 @@ use super::preamble::Preamble;
 use super::{BUFFER, Source, decode, is_same_unit, other_unit};
 use crate::Problems;
 use crate::log::group::{Found, Group, Raw};
-use crate::log::header::split;
-use crate::log::table::Place;
+use crate::log::header_cell::{split, split_unit};
+use crate::log::lines::Place;
 use crate::log::ticks::{self, Base, Start};
 use crate::log::{Log, cell, time_column};
 
 /// Whether a cell of the header names a column of times.
 fn is_time(cell: &str) -> bool {
     let (name, unit) = split(cell);
-    let own = || time_column::split_unit(name).map_or(name, |(name, _)| name);
+    let own = || split_unit(name).map_or(name, |(name, _)| name);
     time_column::of_name(if unit.is_none() { own() } else { name }).is_some()
 }
 
@@ -117,8 +117,9 @@ pub(super) fn read(
     for ((((cell, mut values), kind), base), other) in columns.zip(bases).zip(other_units) {
         let start = if base.is_none() { Start::None } else { Start::Long(base) };
         let (name, unit) = match split(cell) {
-            (name, None) => time_column::split_unit(name)
-                .map_or((name, None), |(name, unit)| (name, Some(unit))),
+            (name, None) => {
+                split_unit(name).map_or((name, None), |(name, unit)| (name, Some(unit)))
+            }
             integer => integer,
         };
         let end = values.iter().rposition(|value| !value.is_nan()).map_or(0, |at| at + 1);

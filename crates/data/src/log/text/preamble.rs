@@ -2,7 +2,7 @@
 
 use super::cells::{Dialect, Kind, comment};
 use super::decode;
-use crate::log::{ColumnUnit, RATES, header::SECOND};
+use crate::log::{ColumnUnit, RATES, units::SECOND};
 
 /// Keys of the sample time, in small letters without signs.
 const PERIOD: [&str; 25] = [

@@ -4,6 +4,7 @@
 mod dymola;
 mod hdf5;
 mod scope;
+mod signals;
 mod simulink;
 pub(in crate::log::formats) mod v4;
 mod v5;

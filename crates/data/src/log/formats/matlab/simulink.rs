@@ -1,9 +1,9 @@
 //! Structures that Simulink logs into, and what is left of a `timeseries` made a structure.
 
 use super::super::names::Names;
-use super::scope::{Reader, Style, named, signals};
+use super::signals::{Style, named, signals};
 use super::{Array, Value};
-use crate::log::group::{Group, Raw};
+use crate::log::group::{Found, Group, Raw};
 
 /// Adds the group of a "Structure with time" or a `timeseries`; the columns of a structure without time,
 /// whose times stand elsewhere (`rows` of them), are the result. `None` where it is none of these.
@@ -11,10 +11,11 @@ pub(super) fn read(
     name: &str,
     value: &Value,
     rows: Option<usize>,
-    reader: &mut Reader,
+    found: &mut Found,
+    left_out: &mut Vec<(String, String)>,
 ) -> Option<Vec<Raw>> {
     if let Some(signals) = value.field("signals") {
-        return with_signals(name, value.field("time"), signals, rows, reader);
+        return with_signals(name, value.field("time"), signals, rows, found, left_out);
     }
     let data = ["Data", "data", "Values"].iter().find_map(|field| value.field(field)?.numbers())?;
     let time = ["Time", "time"].iter().find_map(|field| value.field(field)?.numbers())?;
@@ -23,8 +24,8 @@ pub(super) fn read(
     let signals = signals(data, Some(times.len())).filter(|s| s.rows == times.len())?;
     let mut columns = vec![Raw::new("time", time.unit.clone(), times.to_vec())];
     columns.extend(named(own, data, &signals, Style::Simulink));
-    reader.found.notes.push(format!("{name} is read as a time series"));
-    reader.found.groups.push(Group::new(name, columns));
+    found.notes.push(format!("{name} is read as a time series"));
+    found.groups.push(Group::new(name, columns));
     Some(Vec::new())
 }
 
@@ -34,7 +35,8 @@ fn with_signals(
     time: Option<&Value>,
     value: &Value,
     rows: Option<usize>,
-    reader: &mut Reader,
+    found: &mut Found,
+    left_out: &mut Vec<(String, String)>,
 ) -> Option<Vec<Raw>> {
     let Value::Structure(fields) = value else { return None };
     let field = |wanted: &str| fields.iter().find(|(own, _)| own == wanted);
@@ -57,7 +59,7 @@ fn with_signals(
         });
         match logged {
             Some(logged) => columns.extend(logged),
-            None => reader.left_out.push((format!("{name}.signals({})", at + 1), value.why())),
+            None => left_out.push((format!("{name}.signals({})", at + 1), value.why())),
         }
     }
     if columns.is_empty() {
@@ -68,9 +70,9 @@ fn with_signals(
     columns.iter_mut().for_each(|column| column.name = given.free(&column.name));
     let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
     let kind = if time.is_some() { "structure with time" } else { "structure without time" };
-    reader.found.notes.push(format!("{name} is a {kind} of {}", super::shortened(&names)));
+    found.notes.push(format!("{name} is a {kind} of {}", super::shortened(&names)));
     let Some(Array { unit, values, .. }) = time else { return Some(columns) };
     columns.insert(0, Raw::new("time", unit.clone(), values.clone()));
-    reader.found.groups.push(Group::new(name, columns));
+    found.groups.push(Group::new(name, columns));
     Some(Vec::new())
 }

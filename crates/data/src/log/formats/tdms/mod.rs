@@ -1,5 +1,6 @@
 //! National Instruments' TDMS.
 
+mod object;
 mod scale;
 mod segments;
 mod values;
@@ -7,12 +8,13 @@ mod values;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use self::segments::{File, Object, Property};
+use self::object::{Object, Property};
+use self::segments::File;
 use super::broken;
 use super::budget::Budget;
 use super::names::Names;
 use crate::log::group::{Found, Group, Raw, Refusal};
-use crate::log::header;
+use crate::log::header_cell;
 
 /// The channels of a group that were sampled at the same times are one group; times come from a channel `time`, else
 /// from the waveform properties: `wf_increment`, from `wf_start_offset` on, and `wf_start_time` against the
@@ -70,7 +72,7 @@ fn group(
     // Where times are known, a channel "Time" is a channel.
     let has_time = is_timed || objects.iter().any(|object| object.names[1] == "time");
     for mut object in objects {
-        let (title, in_name) = header::split(&object.names[1]);
+        let (title, in_name) = header_cell::split(&object.names[1]);
         let mut title = title.to_owned();
         let unit = ["unit_string", "NI_UnitDescription"].iter().find_map(|key| object.text(key));
         let unit = unit.filter(|unit| !unit.is_empty()).or(in_name).map(str::to_owned);

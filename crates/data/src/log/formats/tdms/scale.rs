@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::segments::{Object, Property};
+use super::object::{Object, Property};
 
 /// Most scales of a channel; NI-DAQmx writes some three.
 const MOST: f64 = 64.0;

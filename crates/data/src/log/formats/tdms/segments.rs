@@ -4,11 +4,12 @@
 //! and their values. A list may be that of the segment before, with or without changes; the values are
 //! repeated as long as there are bytes (chunks).
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 use super::super::broken;
 use super::super::budget::Budget;
-use super::values::{Cell, Chunk, Layout, Order};
+use super::object::{Cell, Layout, Object, Property, size_of_kind};
+use super::values::{Chunk, Order, number};
 use crate::log::group::Refusal;
 
 /// Bits of a lead-in.
@@ -34,33 +35,6 @@ pub(super) struct File {
     by_path: HashMap<Vec<u8>, usize>,
     /// Where the file is cut off.
     pub(super) cut: Option<String>,
-}
-
-/// The file (`/`), a group (`/'g'`) or a channel (`/'g'/'c'`).
-pub(super) struct Object {
-    /// Names of the group and the channel.
-    pub(super) names: Vec<String>,
-    pub(super) properties: BTreeMap<String, Property>,
-    /// Layout of its values in the present segment, kept for "as before".
-    pub(super) layout: Option<Layout>,
-    pub(super) values: Vec<f64>,
-    /// Whole seconds since 1904 and parts of 2⁻⁶⁴ s, for a channel of instants.
-    pub(super) instants: Vec<(i64, u64)>,
-    /// Values of the scalers of DAQmx, by the number of the scale.
-    pub(super) raw: BTreeMap<u32, Vec<f64>>,
-    /// A property of times that a later segment changes, and the rows before it.
-    pub(super) changed: Option<(String, usize)>,
-    /// Why its values cannot be used.
-    pub(super) why_not: Option<String>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Property {
-    Number(f64),
-    Text(String),
-    /// Whole seconds since 1904 and parts of 2⁻⁶⁴ s.
-    Instant(i64, u64),
-    Other,
 }
 
 impl File {
@@ -177,51 +151,6 @@ impl File {
     }
 }
 
-impl Object {
-    fn new(path: &[u8]) -> Self {
-        let path = String::from_utf8_lossy(path);
-        // `/'it''s'/'c'`: an apostrophe in a name is doubled.
-        let (mut names, mut letters) = (Vec::new(), path.chars().peekable());
-        while let Some(letter) = letters.next() {
-            if letter != '\'' {
-                continue;
-            }
-            let mut name = String::new();
-            while let Some(letter) = letters.next() {
-                if letter == '\'' && letters.next_if_eq(&'\'').is_none() {
-                    break;
-                }
-                name.push(letter);
-            }
-            names.push(name);
-        }
-        Self {
-            names,
-            properties: BTreeMap::new(),
-            layout: None,
-            values: Vec::new(),
-            instants: Vec::new(),
-            raw: BTreeMap::new(),
-            changed: None,
-            why_not: None,
-        }
-    }
-
-    pub(super) fn number(&self, name: &str) -> Option<f64> {
-        match self.properties.get(name)? {
-            Property::Number(value) => Some(*value),
-            _ => None,
-        }
-    }
-
-    pub(super) fn text(&self, name: &str) -> Option<&str> {
-        match self.properties.get(name)? {
-            Property::Text(text) => Some(text.trim()),
-            _ => None,
-        }
-    }
-}
-
 /// How the values of an object are stored.
 fn layout(bytes: &mut Bytes<'_>, index: u32) -> Result<Layout, Refusal> {
     let kind = bytes.u32()?;
@@ -261,10 +190,9 @@ fn property(bytes: &mut Bytes<'_>) -> Result<Property, Refusal> {
             let (seconds, parts) = if bytes.is_big { (first, second) } else { (second, first) };
             Property::Instant(seconds.cast_signed(), parts)
         }
-        kind => match super::values::size_of_kind(kind) {
+        kind => match size_of_kind(kind) {
             Some(size) => {
-                let value = bytes.take(size)?;
-                let number = super::values::number(value, kind, bytes.is_big);
+                let number = number(bytes.take(size)?, kind, bytes.is_big);
                 number.map_or(Property::Other, Property::Number)
             }
             None => return Err(broken("TDMS", format_args!("a property is of type {kind}"))),

@@ -3,73 +3,14 @@
 use std::collections::HashMap;
 
 use super::super::budget::Budget;
-use super::segments::Object;
+use super::object::{BOOL, Cell, INSTANT, Layout, Object, TEXT, size_of_kind};
 use crate::log::group::Refusal;
-
-const TEXT: u32 = 0x20;
-const BOOL: u32 = 0x21;
-const INSTANT: u32 = 0x44;
 
 /// How values stand in a segment.
 #[derive(Clone, Copy)]
 pub(super) struct Order {
     pub(super) is_big: bool,
     pub(super) is_interleaved: bool,
-}
-
-/// How the values of one object stand in a chunk.
-#[derive(Clone)]
-pub(super) struct Layout {
-    kind: u32,
-    count: u64,
-    /// Bytes of all its texts.
-    text_bytes: Option<u64>,
-    /// Where DAQmx has put them; empty for plain values.
-    cells: Vec<Cell>,
-    /// Bytes of a sample in each buffer of DAQmx.
-    widths: Vec<u32>,
-}
-
-/// A value in a sample of a buffer of DAQmx.
-#[derive(Clone, Copy)]
-pub(super) struct Cell {
-    /// Number of the scale that takes it.
-    pub(super) scale: u32,
-    pub(super) kind: u32,
-    pub(super) buffer: u32,
-    pub(super) offset: u32,
-    /// The bit, for digital lines.
-    pub(super) bit: Option<u32>,
-}
-
-impl Layout {
-    pub(super) fn plain(kind: u32, count: u64, text_bytes: Option<u64>) -> Self {
-        Self { kind, count, text_bytes, cells: Vec::new(), widths: Vec::new() }
-    }
-
-    pub(super) fn daqmx(count: u64, cells: Vec<Cell>, widths: Vec<u32>) -> Self {
-        Self { kind: 0, count, text_bytes: None, cells, widths }
-    }
-
-    /// Bytes in a chunk; `None` where nobody can say.
-    fn bytes(&self) -> Option<u64> {
-        match self.text_bytes {
-            Some(bytes) => Some(bytes),
-            None => self.count.checked_mul(size_of_kind(self.kind)? as u64),
-        }
-    }
-}
-
-/// Bytes of a value.
-pub(super) fn size_of_kind(kind: u32) -> Option<usize> {
-    Some(match kind {
-        1 | 5 | BOOL => 1,
-        2 | 6 => 2,
-        3 | 7 | 9 | 0x19 => 4,
-        4 | 8 | 10 | 0x1a | 0x0008_000c => 8,
-        11 | 0x1b | INSTANT | 0x0010_000d => 16,
-        _ => return None,
-    })
 }
 
 /// A number; for an instant, seconds since 1904. `None` for what is no number.
