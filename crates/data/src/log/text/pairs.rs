@@ -4,7 +4,8 @@ use std::io::{BufRead, BufReader, Read};
 
 use super::layout::Layout;
 use super::preamble::Preamble;
-use super::{BUFFER, Source, decode, is_same_unit, other_unit};
+use super::rows::{is_name_of, is_same_unit, other_unit};
+use super::{BUFFER, Source, decode};
 use crate::Problems;
 use crate::log::group::{Found, Group, Raw};
 use crate::log::header_cell::{split, split_unit};
@@ -72,7 +73,7 @@ pub(super) fn read(
         let row = layout.dialect.split(&text);
         // LabVIEW writes a head before each part that it appends, others the names again.
         let is_names = row.len() > 1
-            && row.iter().zip(&layout.header).all(|(cell, name)| super::is_name_of(name, cell));
+            && row.iter().zip(&layout.header).all(|(cell, name)| is_name_of(name, cell));
         if is_head || is_names || row.first().is_some_and(|cell| **cell == *b"Channels") {
             part += u32::from(is_names);
             if !is_head {
@@ -120,7 +121,7 @@ pub(super) fn read(
             (name, None) => {
                 split_unit(name).map_or((name, None), |(name, unit)| (name, Some(unit)))
             }
-            integer => integer,
+            with_unit => with_unit,
         };
         let end = values.iter().rposition(|value| !value.is_nan()).map_or(0, |at| at + 1);
         values.truncate(end);
