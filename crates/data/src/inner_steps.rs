@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_wrong_unit_and_a_stray_time_are_told_apart() {
+    fn a_wrong_unit_and_a_stray_time_are_distinguished() {
         assert_eq!(check(1.0, 1e-5), Ok(()));
         let message = check(100.0, 1e-4).unwrap_err();
         assert!(

@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn tells_every_bad_pair() {
+    fn reports_every_bad_pair() {
         let problems = NameMap::parse(&["u", "=y", "u=", "a=b", "a=c"]).unwrap_err();
         assert_eq!(problems.as_slice().len(), 4);
         let text = problems.to_string();

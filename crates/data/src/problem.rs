@@ -170,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn says_file_line_place_value_rule_and_way_out() {
+    fn shows_file_line_place_value_rule_and_way_out() {
         let problem = Problem::new("plant.toml", "must be at least 0 um/V", "give a larger weight")
             .line(12)
             .at("axis[1].hysteresis.w[3]")

@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn says_what_lies_outside() {
+    fn reports_what_lies_outside() {
         assert!(RAMP.onto(1.0, 0.05, 9, Hold::Zero).is_err());
         assert!(RAMP.onto(1.0, 0.05, 8, Hold::Linear).is_err());
         assert!(RAMP.onto(0.9, 0.1, 1, Hold::Zero).is_err());

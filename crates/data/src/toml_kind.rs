@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_kind_is_told_by_what_only_it_has() {
+    fn a_kind_is_recognized_by_what_only_it_has() {
         for (text, kind) in [
             ("# x\n piezoloop = 1\n[loop]\n", Some("a blueprint")),
             ("rate = 1\n[[sequence]]\n", Some("a plan of the bench")),

@@ -19,34 +19,34 @@ impl Lines {
     }
 }
 
-/// Places that are no TOML and are told one by one.
-const MOST_TOLD: usize = 3;
+/// Places that are no TOML and are reported one by one.
+const MOST_REPORTED: usize = 3;
 
 /// A text as TOML.
 ///
 /// # Errors
-/// The places that are no TOML: the first [`MOST_TOLD`], and how many more there are.
+/// The places that are no TOML: the first [`MOST_REPORTED`], and how many more there are.
 pub(crate) fn parse<'i>(text: &'i str, file: &str) -> Result<Spanned<DeTable<'i>>, Problems> {
     let (document, errors) = DeTable::parse_recoverable(text);
     if errors.is_empty() {
         return Ok(document);
     }
     let lines = Lines::new(text);
-    let tell = |error: &toml::de::Error| {
+    let report = |error: &toml::de::Error| {
         let rule = format!("is not valid TOML: {}", error.message());
         let mut problem = Problem::new(file, rule, "correct this line");
         problem.line = error.span().map(|span| lines.at(span.start));
         problem
     };
-    let mut problems: Vec<Problem> = errors.iter().take(MOST_TOLD).map(tell).collect();
-    if errors.len() > MOST_TOLD {
-        let rule = format!("is not valid TOML in {} further places", errors.len() - MOST_TOLD);
+    let mut problems: Vec<Problem> = errors.iter().take(MOST_REPORTED).map(report).collect();
+    if errors.len() > MOST_REPORTED {
+        let rule = format!("is not valid TOML in {} further places", errors.len() - MOST_REPORTED);
         problems.push(Problem::new(file, rule, "is this the file that you meant?"));
     }
     Err(Problems::new(problems))
 }
 
-/// A number, whether it is written as a whole one or not.
+/// A number, whether it is written with a point or without.
 pub(crate) fn number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Integer(n) => i128::from_str_radix(n.as_str(), n.radix()).ok().map(|n| n as f64),

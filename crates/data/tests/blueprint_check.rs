@@ -1,4 +1,4 @@
-//! What the check of a blueprint accepts, and every problem that it tells.
+//! What the check of a blueprint accepts, and every problem that it reports.
 
 use crate::common::{PLANT, REGISTRY};
 use data::{AxisBlueprint, Blueprint, ComponentBlueprint, SignalBlueprint};
@@ -116,7 +116,7 @@ kp = 0.5
 }
 
 #[test]
-fn a_step_too_short_for_any_run_is_told() {
+fn a_step_too_short_for_any_run_is_reported() {
     let with = |step: &str| {
         format!(
             "piezoloop = 1\nkind = \"plant\"\nname = \"short\"\nstep = {step}\n\n[[axis]]\nname = \"X\"\n\
@@ -131,7 +131,7 @@ fn a_step_too_short_for_any_run_is_told() {
 }
 
 #[test]
-fn every_problem_is_told_at_its_line() {
+fn every_problem_is_reported_at_its_line() {
     let text = r#"piezoloop = 1
 kind = "plant"
 name = "EVC 1"
@@ -310,7 +310,7 @@ fn structural_settings_are_counted_given_or_by_default() {
 }
 
 #[test]
-fn the_order_of_signals_is_told_at_the_component() {
+fn the_order_of_signals_is_reported_at_the_component() {
     let second = PLANT.replacen("type = \"lag\"\nname", "type = \"gain\"\ngain = 1\nname", 1);
     let second = second.replacen("enabled = false\nbandwidth = 5000\n", "", 1);
     let found = problems(&second);
@@ -327,7 +327,7 @@ fn the_order_of_signals_is_told_at_the_component() {
         found[0].starts_with("plant.toml:5: axis[1]: the chain ends with the wrong signal: add ")
     );
 
-    // An unknown type hides what it does to the signal, so that nothing is said about the order.
+    // An unknown type hides what it does to the signal, so that nothing is reported about the order.
     let unknown = PLANT.replacen("type = \"plays\"", "type = \"play\"", 1);
     let found = problems(&unknown);
     assert_eq!(found.len(), 1, "{found:#?}");
@@ -339,7 +339,7 @@ fn the_order_of_signals_is_told_at_the_component() {
 }
 
 #[test]
-fn what_cannot_be_switched_off_is_told() {
+fn what_cannot_be_switched_off_is_reported() {
     let found = only_problem("name = \"hysteresis\"", "name = \"hysteresis\"\nenabled = false");
     assert!(
         found.contains("axis[1].hysteresis: enabled = false: plays cannot be switched off"),
@@ -361,7 +361,7 @@ fn a_model_that_no_machine_can_hold_is_refused_before_memory_is_asked_for() {
 }
 
 #[test]
-fn what_is_no_toml_is_told_with_every_line() {
+fn what_is_no_toml_is_reported_with_every_line() {
     let error = Blueprint::parse("piezoloop = \nname = \"a\nkind 3\n", "p.toml").unwrap_err();
     let lines: Vec<_> = error.as_slice().iter().map(|problem| problem.line).collect();
     assert_eq!(lines, [Some(1), Some(2), Some(3)], "{error}");
@@ -369,7 +369,7 @@ fn what_is_no_toml_is_told_with_every_line() {
 }
 
 #[test]
-fn another_format_is_told_alone() {
+fn another_format_is_reported_alone() {
     let text = PLANT.replacen("piezoloop = 1", "piezoloop = 2\nnew_key = 1", 1);
     let error = Blueprint::parse(&text, "p.toml").unwrap_err();
     assert_eq!(error.as_slice().len(), 1);
@@ -377,7 +377,7 @@ fn another_format_is_told_alone() {
 }
 
 #[test]
-fn sections_of_the_wrong_kind_are_told() {
+fn sections_of_the_wrong_kind_are_reported() {
     for (old, new, wanted) in [
         ("[[axis]]", "[axis]", "axis: must be a list of sections; write the header [[axis]]"),
         ("position = { name = \"y\", unit = \"um\" }", "position = \"um\"", "must be a table"),
@@ -395,7 +395,7 @@ fn sections_of_the_wrong_kind_are_told() {
 }
 
 #[test]
-fn a_file_that_is_absent_or_no_text_is_told() {
+fn a_file_that_is_absent_or_no_text_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("absent.toml");
     let error = Blueprint::read(&path).unwrap_err().to_string();

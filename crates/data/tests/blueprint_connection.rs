@@ -54,7 +54,7 @@ fn a_signal_that_measures_something_else_is_refused_with_its_line() {
 }
 
 #[test]
-fn names_that_are_not_there_are_told_with_those_that_are() {
+fn names_that_are_not_there_are_reported_with_those_that_are() {
     for (from, to, words) in [
         ("Q.displacement", "Z.floor.disturbance", "names no axis; axes are Y, Z"),
         ("Y.speed", "Z.floor.disturbance", "axis Y has no signal \"speed\"; it has command"),

@@ -91,7 +91,7 @@ static DETECTOR: Declaration = Declaration {
     ..CROSS
 };
 
-/// Passes its path, or adds the paths of a coupling; only what is said of it matters here.
+/// Passes its path, or adds the paths of a coupling; only what the check says of it matters here.
 struct Sum(&'static Declaration);
 
 impl Component for Sum {
@@ -224,7 +224,7 @@ fn what_stands_behind_the_optics_has_the_unit_of_the_position() {
 }
 
 #[test]
-fn what_is_wrong_with_a_coupling_is_told_with_its_line() {
+fn what_is_wrong_with_a_coupling_is_reported_with_its_line() {
     for (old, new, wanted) in [
         (
             "axes = [\"A\", \"B\"]",

@@ -37,7 +37,7 @@ fn the_written_text_needs_no_record() {
 }
 
 #[test]
-fn wrong_records_are_told_with_their_line() {
+fn wrong_records_are_reported_with_their_line() {
     let unknown = described(&blueprint("type = \"mode\"\nrecord = \"p-752-21\"\n"));
     assert!(unknown.contains("test.toml:14"), "{unknown}");
     assert!(unknown.contains("record = p-752-21: is no record") && unknown.contains("p-752-21c"));

@@ -30,7 +30,7 @@ fn long_lists_are_folded() {
 }
 
 #[test]
-fn a_file_appears_whole() {
+fn a_file_appears_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("plant.toml");
     let blueprint = Blueprint::parse(PLANT, "plant.toml").unwrap();

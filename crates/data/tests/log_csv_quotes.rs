@@ -37,7 +37,7 @@ fn quotation_marks_and_ends_of_lines_change_nothing() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line_before_and_behind_quotation_marks() {
+fn what_is_wrong_is_reported_with_its_line_before_and_behind_quotation_marks() {
     for (text, line) in [
         ("time,u\n0,1\n1,2\n1.5,x\n", "log.csv:4"),
         ("time,u\n0,1\n1,\"2\"\n2,x\n", "log.csv:4"),

@@ -176,7 +176,7 @@ fn bits_arrays_and_structures() {
 
 /// Records of several groups in one stretch, each behind its number; one group of texts between them.
 #[test]
-fn records_of_several_groups_are_told_apart() {
+fn records_of_several_groups_are_distinguished() {
     let mut file = File::new();
     let mut data = Vec::new();
     for row in 0..3_u32 {
@@ -200,7 +200,7 @@ fn records_of_several_groups_are_told_apart() {
 }
 
 #[test]
-fn what_is_cut_off_is_said() {
+fn what_is_cut_off_is_noted() {
     let mut file = File::new();
     file.group("fast", &[time(), channel("u", 8, 8)], 9, 100, 0);
     let data = file.block(b"DT", &[], &records(100, |row| vec![row as u8]));

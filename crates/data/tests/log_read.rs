@@ -88,7 +88,7 @@ fn a_rate_stands_for_missing_times() {
         assert_eq!(log.time(), [1.0, 1.1, 1.3], "{name}");
         assert_eq!(log.columns().len(), 1, "{name}");
     }
-    // A column of times that counts nothing is left out, and that is said.
+    // A column of times that counts nothing is left out, and that is noted.
     for times in
         [["0", "0.5", "1"], ["0", "0", "0"], ["0", "100", "200"], ["0", "", "1"], ["a", "b", "c"]]
     {
@@ -270,7 +270,7 @@ fn lines_count_blank_lines_and_quoted_line_ends() {
 }
 
 #[test]
-fn absent_files_and_folders_are_told() {
+fn absent_files_and_folders_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let error = Log::read(&folder.path().join("no.csv"), &ReadOptions::default()).unwrap_err();
     assert!(error.to_string().contains("no.csv: cannot be read: "), "{error}");
@@ -279,7 +279,7 @@ fn absent_files_and_folders_are_told() {
 }
 
 #[test]
-fn sample_times_are_found_and_lost_samples_are_told() {
+fn sample_times_are_found_and_lost_samples_are_reported() {
     let log = |times: &[f64]| Log::new("log.csv", times.to_vec()).unwrap();
     let find = |log: &Log| log.sample_time(&log.records()[0], SampleTime::TOLERANCE);
     let of = |h: f64, n: u32, digits: i32| -> Vec<f64> {
@@ -322,7 +322,7 @@ fn rows_are_selected_by_time_and_number() {
 }
 
 #[test]
-fn logs_made_in_code_keep_the_same_rules() {
+fn logs_created_in_code_keep_the_same_rules() {
     assert!(Log::new("run", vec![0.0, 1.0, 1.0]).is_err());
     assert!(Log::new("run", vec![0.0, f64::NAN]).is_err());
     assert!(Log::with_records("run", vec![0.0, 1.0, 0.0], &[(1, 2), (2, 1)]).is_ok());
@@ -406,7 +406,7 @@ mod quality {
     }
 
     #[test]
-    fn saturated_and_stuck_samples_are_told_apart() {
+    fn saturated_and_stuck_samples_are_distinguished() {
         let found = log(|_, y| y.min(0.9), &[]).quality();
         assert!(found.len() >= 3 && found.iter().all(|f| f.quality == Quality::Saturated));
         let found = log(|k, y| if (700..760).contains(&k) { 0.25 } else { y }, &[]).quality();

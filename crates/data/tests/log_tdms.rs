@@ -159,7 +159,7 @@ fn starts_are_compared_as_clocks_are() {
 }
 
 #[test]
-fn a_file_that_was_cut_off_keeps_its_whole_rows() {
+fn a_file_that_was_cut_off_keeps_its_complete_rows() {
     let both = || [channel("/'g'/'u'", plain(DOUBLE, 4)), channel("/'g'/'y'", plain(DOUBLE, 4))];
     let values_of: Vec<f64> = (0..8).map(f64::from).collect();
     let first = segment(0, &both(), &doubles(&values_of));
@@ -198,7 +198,7 @@ fn texts_and_lengths_that_cannot_be() {
 }
 
 #[test]
-fn what_is_assumed_about_times_is_said() {
+fn what_is_assumed_about_times_is_noted() {
     let at = |start| ("wf_start_time", Property::Instant(start));
     let part = |start: i64| {
         let mut u = channel("/'g'/'u'", plain(DOUBLE, 2));
@@ -206,7 +206,7 @@ fn what_is_assumed_about_times_is_said() {
         let y = Channel { path: "/'g'/'y'", index: plain(DOUBLE, 2), properties: Vec::new() };
         segment(0, &[u, y], &doubles(&[1.0, 2.0, 3.0, 4.0]))
     };
-    // Appended ten seconds later: the times are those of the first values, and the other start is told.
+    // Appended ten seconds later: the times are those of the first values, and the other start is noted.
     let log = of(&[part(100), part(110)].concat());
     assert_eq!(log.time(), [0.0, 0.5, 1.0, 1.5]);
     let notes = log.notes().join("\n");

@@ -55,7 +55,7 @@ fn preambles_comments_and_rows_of_units_are_read() {
         is(&log, ms, columns);
         assert!(notes(&log).contains("line"), "{}", notes(&log));
     }
-    // A line below the names is wrong, and is told by its number.
+    // A line below the names is wrong, and is reported by its number.
     let error = read_with("#a\n#b\ntime,u\n0,1\n1,x\n2,3\n", &ReadOptions::default()).unwrap_err();
     assert!(error.starts_with("log.txt:5: u = \"x\": is no number"), "{error}");
 }
@@ -198,7 +198,7 @@ fn labview_measurement_files_are_read() {
 }
 
 #[test]
-fn further_parts_with_other_units_are_told() {
+fn further_parts_with_other_units_are_reported() {
     let bare = |k: u32| format!("\t{k}.0\t{}", f64::from(k) / 2.0);
     let of = |second: &str| {
         let first = table(&lvm_part(0.0), bare);
@@ -242,7 +242,7 @@ fn further_parts_with_other_units_are_told() {
 }
 
 #[test]
-fn columns_of_texts_are_left_out_and_said() {
+fn columns_of_texts_are_left_out_and_noted() {
     let text = table("time,u,state,y\n", |k| {
         format!("{},{k},Running,{}", f64::from(k) / 1000.0, f64::from(k) / 2.0)
     });

@@ -51,7 +51,7 @@ fn units_can_stand_in_the_header_or_nowhere() {
 }
 
 #[test]
-fn a_log_is_written_row_by_row_and_appears_whole() {
+fn a_log_is_written_row_by_row_and_appears_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.csv");
     let unit = Some(ColumnUnit::parse("um").unwrap());

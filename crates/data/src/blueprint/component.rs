@@ -121,8 +121,8 @@ impl Member<'_> {
             let harmless = quantity.start.unwrap_or(0.0).max(quantity.min).min(quantity.max);
             values.extend((0..length).map(|k| found.get(k).copied().flatten().unwrap_or(harmless)));
         }
-        let is_whole = counts.iter().all(Option::is_some);
-        let component = self.with_table(checker, component, &structure, is_whole);
+        let is_complete = counts.iter().all(Option::is_some);
+        let component = self.with_table(checker, component, &structure, is_complete);
         let node = NodeSpec { component, name, structure, values, enabled: self.given.enabled };
         let is_clean = checker.problems.len() == before && !self.was_spoilt(checker);
         DraftNode { node, is_clean }
@@ -134,7 +134,7 @@ impl Member<'_> {
         checker: &mut Checker<'_>,
         component: &'static dyn Component,
         structure: &[f64],
-        is_whole: bool,
+        is_complete: bool,
     ) -> ComponentRef {
         let place = self.place.child(TABLE);
         if !component.takes_table() || checker.is_spoilt(&place.key) {
@@ -147,7 +147,7 @@ impl Member<'_> {
         };
         let shown = format!("{name:?}");
         let refusal = match checker.blueprint.table(name) {
-            Ok(_) if !is_whole => return component.into(),
+            Ok(_) if !is_complete => return component.into(),
             Ok(table) => match component.with_table(structure, &table) {
                 Ok(loaded) => return loaded,
                 Err(text) => text,

@@ -7,7 +7,7 @@ use super::origin::Place;
 use crate::nearest::did_you_mean;
 
 /// Adds the connections whose words are right; whether port and signal are there and measure the
-/// same is told by the build.
+/// same is checked by the build.
 pub(super) fn all(checker: &mut Checker<'_>, axes: &[AxisSpec], ports: &mut Vec<PortSpec>) {
     let blueprint = checker.blueprint;
     for (given, number) in blueprint.connections.iter().zip(1..) {

@@ -107,12 +107,12 @@ pub(super) fn optics_at(checker: &Checker<'_>, axis: &AxisBlueprint, name: &str)
         };
         name == after
     };
-    // A component that is named and not there is told at the coupling.
+    // A component that is named and not there is reported at the coupling.
     let absent = if after.is_empty() { 0 } else { axis.components.len() };
     axis.components.iter().rposition(is_last).map_or(absent, |at| at + 1)
 }
 
-/// Adds what is said about the inputs of an axis that its components ask for.
+/// Adds the given inputs of an axis that its components ask for.
 pub(super) fn axis_inputs(
     checker: &mut Checker<'_>,
     axis: &AxisBlueprint,
@@ -128,7 +128,7 @@ pub(super) fn axis_inputs(
     }
 }
 
-/// Adds what is said about the inputs of the whole model that its components ask for.
+/// Adds the given inputs of the model that its components ask for.
 pub(super) fn system_inputs(
     checker: &mut Checker<'_>,
     aliases: &mut BTreeSet<String>,

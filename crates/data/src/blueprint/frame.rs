@@ -1,4 +1,4 @@
-//! The check of everything around the components: names, step, axes, signals.
+//! The check of everything but the components: names, step, axes, signals.
 
 use std::collections::BTreeSet;
 

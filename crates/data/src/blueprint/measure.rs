@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn says_what_is_wrong() {
+    fn names_what_is_wrong() {
         let rule = |text, target| read(text, target).unwrap_err().0;
         assert_eq!(rule("2,1 kHz", "Hz"), "has a decimal comma");
         assert_eq!(rule("2.1", "Hz"), "is a text without a unit");

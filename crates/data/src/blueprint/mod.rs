@@ -260,7 +260,7 @@ impl Blueprint {
     ///
     /// # Errors
     /// The file cannot be read, or its text is no TOML: all places. Everything else that is wrong
-    /// is told by [`check`](Self::check).
+    /// is reported by [`check`](Self::check).
     pub fn read(path: &Path) -> Result<Self, Problems> {
         let origin = path.display().to_string();
         let text = files::read_text(path).map_err(|error| {
@@ -277,7 +277,7 @@ impl Blueprint {
     /// Reads a text; `origin` is what messages call it, the file's name as a rule.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    /// The text is no TOML: all places.
     pub fn parse(text: &str, origin: &str) -> Result<Self, Problems> {
         read::parse(text, origin)
     }
@@ -304,8 +304,7 @@ impl Blueprint {
         &self.origin.records
     }
 
-    /// What the records that it took say of components of this type: the name of each such record, and its
-    /// values.
+    /// The values for components of this type in the records that it took: each record's name and its values.
     #[must_use]
     pub fn recorded(&self, kind: &str) -> Vec<(String, Vec<RecordValue>)> {
         let found = self.origin.records.iter().filter_map(|name| {
@@ -315,7 +314,7 @@ impl Blueprint {
         found.collect()
     }
 
-    /// Checks everything that is said against the components of `registry`.
+    /// Checks all values and names against the components of `registry`.
     ///
     /// # Errors
     /// Every [`Problem`] there is.

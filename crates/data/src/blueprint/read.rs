@@ -1,7 +1,7 @@
 //! From TOML to a [`Blueprint`].
 //!
 //! Only a text that is no TOML is refused here. A key that is unknown or has a value of the wrong
-//! kind is noted and told by the check, together with everything else.
+//! kind is noted and reported by the check, together with everything else.
 
 use std::collections::BTreeMap;
 

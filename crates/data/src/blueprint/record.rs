@@ -54,7 +54,7 @@ impl ParameterRecord {
     ///
     /// # Errors
     /// Every [`Problem`]: no TOML, another format, a missing name, a value without a source. Whether
-    /// the values fit their component is told by the check of a blueprint that takes them.
+    /// the values fit their component is reported by the check of a blueprint that takes them.
     pub fn parse(text: &str, origin: &str) -> Result<Self, Problems> {
         let document = toml_text::parse(text, origin)?;
         let mut reader = Reader::new(text, origin);

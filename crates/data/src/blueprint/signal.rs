@@ -14,7 +14,7 @@ const TAKEN: [&str; 4] = ["time", "record", "realization", "enable"];
 /// Stands for a unit that is missing or wrong.
 const NO_UNIT: &str = "?";
 
-/// The unit of a signal, or a text that is none where it is missing or wrong: nothing is said then about
+/// The unit of a signal, or a text that is none where it is missing or wrong: nothing is reported then about
 /// values with units on this axis.
 pub(super) fn unit(checker: &mut Checker<'_>, place: &Place, signal: &SignalBlueprint) -> String {
     let key = place.child("unit");

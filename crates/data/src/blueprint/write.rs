@@ -63,7 +63,7 @@ fn write_axis(text: &mut String, axis: &AxisBlueprint) {
     }
 }
 
-/// A line for a signal, or none where nothing is said about it.
+/// A line for a signal, or none where nothing of it is given.
 fn signal_line(text: &mut String, key: &str, signal: &SignalBlueprint) {
     if *signal != SignalBlueprint::default() {
         line(text, key, &inline_signal(signal));

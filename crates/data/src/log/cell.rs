@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn says_what_is_wrong() {
+    fn names_what_is_wrong() {
         let rule = |cell: &[u8]| parse(cell).unwrap_err().0;
         for gap in ["", "  ", "NaN", "nan", "N/A"] {
             assert!(rule(gap.as_bytes()).starts_with("is a gap"), "{gap}");

@@ -1,4 +1,4 @@
-//! What is said about logs in files beside them.
+//! Descriptions of logs in files beside them.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub(super) struct Dataset {
     pub(super) columns: BTreeMap<String, About>,
 }
 
-/// What is said about a column.
+/// The description of a column.
 #[derive(Debug, Default)]
 pub(super) struct About {
     pub(super) line: usize,

@@ -93,7 +93,7 @@ impl Raw {
         Self { name: name.into(), unit, values, start: Start::default() }
     }
 
-    /// The same, with what was taken off the values.
+    /// The column with what was taken off its values.
     pub(super) fn after(self, start: Start) -> Self {
         Self { start, ..self }
     }

@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tells_units_from_indices() {
+    fn distinguishes_units_from_indices() {
         assert_eq!(split("y [um]"), ("y", Some("um")));
         assert_eq!(split("y[um]"), ("y", Some("um")));
         assert_eq!(split(" position[1] "), ("position[1]", None));

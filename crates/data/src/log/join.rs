@@ -13,7 +13,7 @@ pub enum Resample {
     Rate(f64),
 }
 
-/// Most rows that are made.
+/// Most rows that are created.
 const MOST_ROWS: f64 = 1e9;
 /// Bytes that any log may become, and how many times its own a larger one, as binary files may.
 const FREE: f64 = 268_435_456.0;
@@ -71,9 +71,9 @@ impl Grid {
         // A whole number of Hz gives the times that a reader of decimals would give.
         let rate = (1.0 / self.period).round();
         let integer = (self.start * rate).round();
-        let is_whole =
+        let is_in_hertz =
             (rate * self.period - 1.0).abs() < 1e-12 && (integer - self.start * rate).abs() < 1e-9;
-        (0..self.rows).map(move |row| match is_whole {
+        (0..self.rows).map(move |row| match is_in_hertz {
             true => (integer + row as f64) / rate,
             false => self.start + row as f64 * self.period,
         })
@@ -183,7 +183,7 @@ pub(super) fn groups(
 }
 
 impl Log {
-    /// The same log with each record on a uniform grid of its own.
+    /// The log with each record on a uniform grid of its own.
     pub(super) fn resampled(
         mut self,
         resample: Resample,

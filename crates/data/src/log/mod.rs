@@ -119,7 +119,7 @@ pub struct Column {
 pub struct ColumnUnit {
     /// As it was given, as in `um`.
     pub text: String,
-    /// The same, to compute with.
+    /// Factor, offset and exponents, to compute with.
     pub unit: Unit,
 }
 
@@ -206,14 +206,14 @@ impl Log {
     /// Reads a text, with nothing beside it; `origin` is what messages call it.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    /// Every [`Problem`] of the text, up to 20, and how many more there are.
     pub fn parse(bytes: &[u8], origin: &str, options: &ReadOptions) -> Result<Self, Problems> {
         text::text(bytes, origin, options)?.resolved_by(options)
     }
 
     /// With rounded times mended, and on uniform times where these are asked for.
     fn resolved_by(self, options: &ReadOptions) -> Result<Self, Problems> {
-        let mut log = self.undo_rounding();
+        let mut log = self.with_times_on_grids();
         if let Some(group) = options.group.as_ref().filter(|_| !log.remarks.is_chosen) {
             let note = format!("--group {group} has no effect: a file of this kind has no groups");
             log.remarks.notes.push(note);
@@ -234,10 +234,11 @@ impl Log {
         Self::of_records(origin, time, vec![Record { id: 0, rows }], false)
     }
 
-    /// As `new`, with several records, each with its number and its length.
+    /// A log of several records, each with its number and its length, and no columns yet.
     ///
     /// # Errors
-    /// As [`new`](Self::new); or the lengths do not add up, or a number is used twice.
+    /// The times do not grow strictly inside a record or are not finite, the lengths do not add up, or a number
+    /// is used twice.
     pub fn with_records(
         origin: &str,
         time: Vec<f64>,

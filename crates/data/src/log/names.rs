@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use super::Column;
 
-/// Places of the columns by their names, made when a column is asked for.
+/// Places of the columns by their names, created when a column is asked for.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names(OnceLock<HashMap<String, usize>>);
 

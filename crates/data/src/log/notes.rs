@@ -19,7 +19,7 @@ impl LeftOut {
     }
 }
 
-/// What is said about a log beside its values.
+/// Remarks on a log, beside its values.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Remarks {
     /// Sentences about the file: what was recognised, assumed, skipped.

@@ -110,7 +110,7 @@ impl ParquetLogWriter {
     }
 }
 
-/// What the system said, where it was that: a full disk is one.
+/// The error of the system behind one of Parquet, as of a full disk.
 fn system(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(inner) => match inner.downcast::<io::Error>() {

@@ -42,7 +42,7 @@ impl Repeats {
     }
 }
 
-/// What is doubtful about the times of a log as a whole, `None` for nothing; `is_said` where the file says their unit. `base`
+/// What is doubtful about the times of a log, `None` for nothing; `is_stated` where the file has their unit. `base`
 /// was taken off each of them.
 pub(super) fn doubt(time: &[f64], is_stated: bool, base: f64) -> Option<String> {
     /// Intervals of which the usual one is taken.
@@ -86,8 +86,12 @@ pub(super) fn doubt(time: &[f64], is_stated: bool, base: f64) -> Option<String> 
         ));
     }
     // Times in µs that were computed from seconds have rounding in them: 900.0000000000001.
-    let is_whole = || time.iter().all(|time| (time - time.round()).abs() <= 1e-12 * time.abs());
-    if is_stated || usual < 1.0 || time.len() < if usual < 10.0 { 100 } else { 50 } || !is_whole() {
+    let are_integers = || time.iter().all(|time| (time - time.round()).abs() <= 1e-12 * time.abs());
+    if is_stated
+        || usual < 1.0
+        || time.len() < if usual < 10.0 { 100 } else { 50 }
+        || !are_integers()
+    {
         return None;
     }
     let unit = if usual < 1000.0 { "ms or us" } else { "us or ns" };
@@ -99,9 +103,9 @@ pub(super) fn doubt(time: &[f64], is_stated: bool, base: f64) -> Option<String> 
 
 /// Whether these cells count rows: whole numbers that grow, by 1 somewhere.
 pub(super) fn counts(cells: &[f64]) -> bool {
-    let is_whole = cells.iter().all(|cell| cell.fract() == 0.0 && cell.abs() <= EXACT);
+    let are_integers = cells.iter().all(|cell| cell.fract() == 0.0 && cell.abs() <= EXACT);
     let least = cells.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-    is_whole && (cells.len() < 2 || least == 1.0)
+    are_integers && (cells.len() < 2 || least == 1.0)
 }
 
 #[cfg(test)]
@@ -109,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counters_are_told_from_times() {
+    fn counters_are_distinguished_from_times() {
         assert!(counts(&[10.0, 11.0, 13.0]) && counts(&[5.0]));
         for none in
             [&[0.0, 0.5][..], &[0.0, 100.0, 200.0], &[0.0, 0.0, 1.0], &[2.0, 1.0], &[f64::NAN]]

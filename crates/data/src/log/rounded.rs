@@ -29,7 +29,7 @@ impl Log {
         &self.rounded
     }
 
-    /// As `rounded`, as a sentence, for notes.
+    /// A sentence about the records whose times were rounded, for notes.
     #[must_use]
     pub fn note_on_times(&self) -> Option<String> {
         let first = self.rounded.first()?;
@@ -43,8 +43,8 @@ impl Log {
         ))
     }
 
-    /// Undoes the rounding of all records that show one.
-    pub(super) fn undo_rounding(mut self) -> Self {
+    /// The log with the times of all rounded records on their uniform grids.
+    pub(super) fn with_times_on_grids(mut self) -> Self {
         for record in self.records.clone() {
             let Ok(grid) = self.sample_time(&record, SampleTime::TOLERANCE) else { continue };
             if grid.jitter > EXACT && self.is_rounded(&record, &grid) {

@@ -24,7 +24,7 @@ impl Base {
         self.0 == 0
     }
 
-    /// As a double, which is near.
+    /// The nearest double.
     pub(super) fn value(self) -> f64 {
         self.0 as f64
     }
@@ -58,7 +58,7 @@ impl Base {
     }
 }
 
-/// What was taken off a whole column.
+/// What was taken off all numbers of a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Start {
     /// Nothing.

@@ -21,13 +21,13 @@ impl ColumnUnit {
     }
 }
 
-/// The same unit in symbols, as well as that is known.
+/// The unit in symbols, as far as its words are known.
 fn symbols(text: &str) -> String {
     let text = text.trim();
     let inside = text.strip_prefix(['(', '[']).and_then(|rest| rest.strip_suffix([')', ']']));
     let text = inside.unwrap_or(text).trim();
-    if let Some(complete) = word(text) {
-        return complete.into();
+    if let Some(symbol) = word(text) {
+        return symbol.into();
     }
     let mut out = String::new();
     let mut part = String::new();

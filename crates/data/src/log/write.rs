@@ -200,7 +200,7 @@ pub fn write_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<()> {
     begin_sidecar(path, columns)?.map_or(Ok(()), WholeFile::commit)
 }
 
-/// Whether the companion of a log can be written; told before the work.
+/// Whether the companion of a log can be written; checked before the work.
 ///
 /// # Errors
 /// One is there that this program did not write, or that this call reads.

@@ -71,7 +71,7 @@ fn rate_and_start_of_a_preamble_are_the_times() {
 
 /// Nanoseconds since 1970 have more digits than a double.
 #[test]
-fn long_whole_times_keep_their_digits() {
+fn long_integer_times_keep_their_digits() {
     let exact = |log: &data::Log, rate: f64| {
         assert_eq!(log.len(), 10);
         for (at, time) in log.time().iter().enumerate() {
@@ -200,7 +200,7 @@ fn an_index_of_pandas_and_durations_of_matlab_are_read() {
 }
 
 #[test]
-fn doubtful_times_are_said() {
+fn doubtful_times_are_noted() {
     let text: String = (0..200).map(|k| format!("{},1\n", 100 * k)).collect();
     assert!(notes(&read(format!("time,y\n{text}"))).contains("is time in ms or us?"));
     assert!(notes(&read(format!("time [us],y\n{text}"))).is_empty());

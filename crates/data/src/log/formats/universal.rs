@@ -15,7 +15,7 @@ use crate::log::group::{Found, Group, Raw, Refusal};
 const DELIMITER: &[u8] = b"    -1";
 /// Lines of a dataset 58 before its values.
 const HEAD: usize = 11;
-/// Function type of a time response, and that of what is not said.
+/// Function type of a time response, and that of an unknown function.
 const TIME_RESPONSE: i64 = 1;
 const GENERAL: i64 = 0;
 /// Specific data type of an abscissa in time.

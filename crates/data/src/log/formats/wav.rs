@@ -104,7 +104,7 @@ impl Format {
         Ok(Self { is_float, channels: channels.into(), rate, width })
     }
 
-    /// The columns of these bytes; `said`: how many the file says they are, if it does.
+    /// The columns of these bytes; `stated`: how many there are according to the file.
     fn values(
         self,
         content: &[u8],

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::instant::Instant;
 use crate::log::cell;
 
-/// How the cells of a row are told apart and how numbers are written.
+/// How the cells of a row are separated and how numbers are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Dialect {
     /// The byte between cells; a blank stands for any number of blanks and tabs.

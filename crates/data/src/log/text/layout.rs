@@ -28,7 +28,7 @@ pub(in super::super) struct Layout {
     pub(super) header_line: usize,
     /// Name and unit of each cell of a row, as in `y [um]`; a cell without a name is empty in all rows.
     pub(super) header: Vec<String>,
-    /// Whether the names were found, or made up for lack of them.
+    /// Whether the names were found, or created for lack of them.
     pub(super) has_names: bool,
     pub(in super::super) kinds: Vec<Kind>,
     /// A cell of each column.
@@ -244,9 +244,9 @@ impl Layout {
                 && values(row) <= used.len() / 2 + 1
         };
         // Where the first cell of a row is empty, names may stand behind a key.
-        let mut complete = Preamble::default();
-        lines[..run.first].iter().for_each(|line| complete.line(line.bytes, self.dialect));
-        let is_keyed = self.kinds.first() == Some(&Kind::Empty) && !complete.names.is_empty();
+        let mut all = Preamble::default();
+        lines[..run.first].iter().for_each(|line| all.line(line.bytes, self.dialect));
+        let is_keyed = self.kinds.first() == Some(&Kind::Empty) && !all.names.is_empty();
         let (mut names, mut units) = (None, None);
         match above.as_slice() {
             _ if is_keyed => {}
@@ -287,7 +287,7 @@ impl Layout {
         } else {
             self.has_names = false;
         }
-        self.say(
+        self.note_places(
             head_lines,
             names.map(|(line, _)| line.number),
             units.map(|(line, _)| line.number),
@@ -368,7 +368,8 @@ impl Layout {
         Some((fill(&names, 0), fill(&units, 0)))
     }
 
-    fn say(&mut self, head: Option<usize>, names: Option<usize>, units: Option<usize>) {
+    /// Notes where names, units and the preamble stand.
+    fn note_places(&mut self, head: Option<usize>, names: Option<usize>, units: Option<usize>) {
         let above = head.unwrap_or(self.line);
         if above > 1 {
             self.notes.push(match above - 1 {

@@ -92,7 +92,7 @@ pub(super) fn read(
             if cell.trim_ascii().is_empty()
                 || !layout.kinds.get(at).is_some_and(|kind| kind.is_value())
             {
-                // Shorter columns end before the others; a gap inside one is told by its row.
+                // Shorter columns end before the others; a gap inside one is reported by its row.
                 column.push(f64::NAN);
                 continue;
             }

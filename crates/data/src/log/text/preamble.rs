@@ -162,10 +162,10 @@ impl Preamble {
             let period = quantity(value, unit, &SECOND).filter(|period| RATES.contains(period));
             // A whole number of Hz gives the times that a reader of decimals would give.
             let rate = period.map(|period| 1.0 / period);
-            let integer = |rate: f64| {
+            let rounded = |rate: f64| {
                 if (rate.round() / rate - 1.0).abs() < 1e-9 { rate.round() } else { rate }
             };
-            self.rate = self.rate.or(rate.map(integer));
+            self.rate = self.rate.or(rate.map(rounded));
         } else if RATE.contains(&key) {
             let hertz = SECOND.times(SECOND, -2);
             self.rate =

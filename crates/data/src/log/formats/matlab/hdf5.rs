@@ -186,7 +186,7 @@ impl Reader<'_> {
         Ok(values)
     }
 
-    /// The bytes of a dataset, all filters undone.
+    /// The bytes of a dataset, after all filters.
     fn bytes(&mut self, dataset: &Dataset) -> Result<Vec<u8>, Refusal> {
         let size = dataset.raw_byte_len().map_err(failed)? as u64;
         self.budget.unpack(size)?;

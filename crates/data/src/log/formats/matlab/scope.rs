@@ -40,7 +40,7 @@ impl Reader {
     /// Adds the groups of a scope. Arrays of one length are one group, named by it; a matrix with as many
     /// columns as there are times is taken transposed; a matrix without times beside it has them in
     /// its first row (Simulink's To File) or column. What is assumed is noted.
-    /// `outer` are the times of the scope around it, which signals of their length have too.
+    /// `outer` are the times of the outer scope, which signals of their length have too.
     pub(super) fn read(&mut self, scope: &str, variables: Variables, outer: Option<&Array>) {
         let full = |name: &str| match scope {
             "" => name.to_owned(),

@@ -87,11 +87,11 @@ fn unpacked(block: &Block<'_>, budget: &mut Budget) -> Result<Vec<u8>, Refusal> 
         return Ok(bytes);
     }
     let rows = bytes.len() / width;
-    let complete = rows * width;
+    let end = rows * width;
     let mut turned = Vec::with_capacity(bytes.len());
     for row in 0..rows {
-        turned.extend(bytes[row..complete].iter().step_by(rows));
+        turned.extend(bytes[row..end].iter().step_by(rows));
     }
-    turned.extend(&bytes[complete..]);
+    turned.extend(&bytes[end..]);
     Ok(turned)
 }

@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_formula_is_said() {
+    fn what_is_no_formula_is_reported() {
         for (text, why) in [
             ("", "ends too early"),
             ("X +", "ends too early"),

@@ -133,15 +133,15 @@ impl Records {
         Ok(Self { id_bytes, groups, by_id, is_counted })
     }
 
-    /// Reads what is whole; the result is how many bytes that were.
+    /// Reads the complete records; the result is how many bytes these are.
     fn read(&mut self, bytes: &[u8], budget: &mut Budget) -> Result<usize, Refusal> {
         if self.id_bytes == 0 {
             let Some(group) = self.groups.first_mut().filter(|group| group.size > 0) else {
                 return Ok(bytes.len());
             };
-            let complete = bytes.len() / group.size * group.size;
-            group.read(&bytes[..complete], 0, self.is_counted, budget)?;
-            return Ok(complete);
+            let end = bytes.len() / group.size * group.size;
+            group.read(&bytes[..end], 0, self.is_counted, budget)?;
+            return Ok(end);
         }
         let mut used = 0;
         loop {

@@ -72,7 +72,7 @@ impl Chunk {
         Self { objects: objects.into_iter().filter(|(_, layout)| layout.count > 0).collect() }
     }
 
-    /// Reads all values of a segment; what is said about an end within a chunk.
+    /// Reads all values of a segment; a sentence about an end within a chunk.
     pub(super) fn read(
         &self,
         bytes: &[u8],
@@ -107,9 +107,9 @@ impl Chunk {
             return Ok(is_cut.then(|| ": the last row is there in part".into()));
         }
         let mut chunks = bytes.chunks_exact(size);
-        let complete = self.stretches(size);
+        let of_chunk = self.stretches(size);
         for chunk in chunks.by_ref() {
-            for stretch in &complete {
+            for stretch in &of_chunk {
                 stretch.read(chunk, order, objects, budget)?;
             }
         }
