@@ -75,12 +75,8 @@ impl<'a> Checker<'a> {
             }
             Value::List(items) => {
                 let shown = format!("{} values", items.len());
-                self.report(
-                    place,
-                    &shown,
-                    "must be one value, not a list",
-                    "leave out the brackets",
-                );
+                let rule = "must be one value, not a list";
+                self.report(place, &shown, rule, "leave out the brackets");
                 return None;
             }
         };

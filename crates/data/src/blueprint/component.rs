@@ -45,12 +45,8 @@ pub(super) fn chain<'a>(
         if spec.components.iter().any(|other| other.name == name) {
             let way_out = "give each component of an axis its own, as in name = \"mode2\"";
             let shown = format!("{name:?}");
-            checker.report(
-                &place.child("name"),
-                &shown,
-                "is the name of another component",
-                way_out,
-            );
+            let rule = "is the name of another component";
+            checker.report(&place.child("name"), &shown, rule, way_out);
             // The rest is checked under a name that no file can give.
             name = format!("{name}#{number}");
         }
@@ -199,12 +195,8 @@ impl Member<'_> {
                 checker.report(&place, "", rule, way_out);
             } else if !(relative.is_finite() && *relative >= 0.0) {
                 let way_out = "give a relative standard deviation, as in 0.05";
-                checker.report(
-                    &place,
-                    &relative.to_string(),
-                    "must be finite and at least 0",
-                    way_out,
-                );
+                let rule = "must be finite and at least 0";
+                checker.report(&place, &relative.to_string(), rule, way_out);
             }
         }
     }

@@ -51,9 +51,15 @@ impl Reader {
                 "license" => blueprint.license = self.text(value, &place),
                 "step" => blueprint.step = self.value(value, &place).unwrap_or(blueprint.step),
                 "temperature" => blueprint.temperature = self.signal(value, &place),
-                "axis" => blueprint.axes = self.axes(value, &place),
-                "coupling" => blueprint.couplings = self.couplings(value, &place),
-                "connection" => blueprint.connections = self.connections(value, &place),
+                "axis" => blueprint.axes = self.sections(value, &place, "[[axis]]", Self::axis),
+                "coupling" => {
+                    blueprint.couplings =
+                        self.sections(value, &place, "[[coupling]]", Self::coupling);
+                }
+                "connection" => {
+                    blueprint.connections =
+                        self.sections(value, &place, "[[connection]]", Self::connection);
+                }
                 _ => self.unknown(key, &place, &KEYS),
             }
         }
@@ -91,11 +97,6 @@ impl Reader {
         Kind::Plant
     }
 
-    fn axes(&mut self, value: Spot<'_, '_>, place: &Place) -> Vec<AxisBlueprint> {
-        let tables = self.tables(value, place, "[[axis]]");
-        tables.into_iter().map(|(table, place)| self.axis(table, &place)).collect()
-    }
-
     fn axis(&mut self, table: &DeTable<'_>, place: &Place) -> AxisBlueprint {
         let mut axis = AxisBlueprint::default();
         for (key, value, place) in self.items(table, place) {
@@ -109,9 +110,8 @@ impl Reader {
                 "disturbance" => axis.disturbance = self.signal(value, &place),
                 "motion" => axis.motion = self.signal(value, &place),
                 "component" => {
-                    let tables = self.tables(value, &place, "[[axis.component]]");
-                    axis.components =
-                        tables.into_iter().map(|(t, place)| self.component(t, &place)).collect();
+                    let header = "[[axis.component]]";
+                    axis.components = self.sections(value, &place, header, Self::component);
                 }
                 _ => self.unknown(key, &place, &AXIS_KEYS),
             }
@@ -139,11 +139,6 @@ impl Reader {
         signal
     }
 
-    fn couplings(&mut self, value: Spot<'_, '_>, place: &Place) -> Vec<CouplingBlueprint> {
-        let tables = self.tables(value, place, "[[coupling]]");
-        tables.into_iter().map(|(table, place)| self.coupling(table, &place)).collect()
-    }
-
     fn coupling(&mut self, table: &DeTable<'_>, place: &Place) -> CouplingBlueprint {
         let (mut axes, mut after) = (Vec::new(), String::new());
         let mut rest = Vec::new();
@@ -157,21 +152,16 @@ impl Reader {
         CouplingBlueprint { component: self.component_of(rest), axes, after }
     }
 
-    fn connections(&mut self, value: Spot<'_, '_>, place: &Place) -> Vec<ConnectionBlueprint> {
-        let tables = self.tables(value, place, "[[connection]]");
-        let mut connections = Vec::with_capacity(tables.len());
-        for (table, place) in tables {
-            let mut connection = ConnectionBlueprint::default();
-            for (key, value, place) in self.items(table, &place) {
-                match key {
-                    "from" => connection.from = self.name(value, &place),
-                    "to" => connection.to = self.name(value, &place),
-                    _ => self.unknown(key, &place, &["from", "to"]),
-                }
+    fn connection(&mut self, table: &DeTable<'_>, place: &Place) -> ConnectionBlueprint {
+        let mut connection = ConnectionBlueprint::default();
+        for (key, value, place) in self.items(table, place) {
+            match key {
+                "from" => connection.from = self.name(value, &place),
+                "to" => connection.to = self.name(value, &place),
+                _ => self.unknown(key, &place, &["from", "to"]),
             }
-            connections.push(connection);
         }
-        connections
+        connection
     }
 
     /// A list of texts.
@@ -218,12 +208,8 @@ impl Reader {
 
     fn switch(&mut self, value: Spot<'_, '_>, place: &Place) -> bool {
         value.get_ref().as_bool().unwrap_or_else(|| {
-            self.note(
-                place,
-                &shown(value.get_ref()),
-                "must be a truth value",
-                "write true or false",
-            );
+            let shown = shown(value.get_ref());
+            self.note(place, &shown, "must be a truth value", "write true or false");
             true
         })
     }

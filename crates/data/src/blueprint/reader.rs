@@ -22,11 +22,6 @@ impl Reader {
         Self { lines: Lines::new(text), origin }
     }
 
-    /// What messages call the text.
-    pub(super) fn file(&self) -> &str {
-        &self.origin.file
-    }
-
     /// Everything that was noted; `None` where nothing was.
     pub(super) fn problems(self) -> Option<Problems> {
         let all: Vec<_> = self.origin.problems.into_iter().map(|(_, problem)| problem).collect();
@@ -99,12 +94,8 @@ impl Reader {
         if number.is_none() {
             let shown = shown(value.get_ref());
             let way_out = "write a number, or a text with a unit as in \"2.1 kHz\"";
-            self.note(
-                place,
-                &shown,
-                "must be a number, a text with a unit or a list of them",
-                way_out,
-            );
+            let rule = "must be a number, a text with a unit or a list of them";
+            self.note(place, &shown, rule, way_out);
         }
         number.map(Value::Number)
     }
@@ -120,27 +111,28 @@ impl Reader {
         Value::List(values)
     }
 
-    /// The tables of an array of tables, with their places.
-    pub(super) fn tables<'a, 'i>(
+    /// The sections of a list, each read by `section`.
+    pub(super) fn sections<T>(
         &mut self,
-        value: Spot<'a, 'i>,
+        value: Spot<'_, '_>,
         place: &Place,
         header: &str,
-    ) -> Vec<(&'a DeTable<'i>, Place)> {
+        section: impl Fn(&mut Self, &DeTable<'_>, &Place) -> T,
+    ) -> Vec<T> {
         let way_out = format!("write the header {header} with two brackets on each side");
         let Some(items) = value.get_ref().as_array() else {
             self.note(place, "", "must be a list of sections", &way_out);
             return Vec::new();
         };
-        let mut tables = Vec::new();
+        let mut sections = Vec::new();
         for (item, number) in items.iter().zip(1..) {
             let place = place.item(number);
             self.origin.lines.insert(place.key.clone(), self.lines.at(item.span().start));
             match item.get_ref().as_table() {
-                Some(table) => tables.push((table, place)),
+                Some(table) => sections.push(section(self, table, &place)),
                 None => self.note(&place, &shown(item.get_ref()), "must be a section", &way_out),
             }
         }
-        tables
+        sections
     }
 }

@@ -158,7 +158,7 @@ pub(super) fn fill(
     name: &str,
     place: &Place,
 ) {
-    let record = match find(name, reader.file()) {
+    let record = match find(name, &reader.origin.file) {
         Ok(record) => record,
         Err(problems) => {
             for problem in problems.as_slice() {

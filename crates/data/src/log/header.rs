@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use model::Unit;
 
 use super::dataset::Dataset;
-use super::header_cell::{split, split_unit};
+use super::header_cell::{name_and_unit, split};
 use super::text::{Kind, Layout};
 use super::units::SECOND;
 use super::{ColumnUnit, ReadOptions, time_column};
@@ -124,15 +124,8 @@ impl Context<'_> {
     pub(super) fn heads(&self, cells: &[String]) -> Header {
         // Logs that this program wrote have a column `time`; there a name may end with parentheses.
         let is_own = cells.iter().any(|cell| split(cell).0 == self.time_name());
-        let named: Vec<(&str, Option<&str>)> = cells
-            .iter()
-            .map(|cell| match split(cell) {
-                (name, None) if !is_own => {
-                    split_unit(name).map_or((name, None), |(name, unit)| (name, Some(unit)))
-                }
-                trimmed => trimmed,
-            })
-            .collect();
+        let read = if is_own { split } else { name_and_unit };
+        let named: Vec<(&str, Option<&str>)> = cells.iter().map(|cell| read(cell)).collect();
         let time = self.time_at(&named);
         let mut header = Header { heads: Vec::new(), problems: Vec::new(), notes: Vec::new() };
         let Header { heads, problems, notes } = &mut header;

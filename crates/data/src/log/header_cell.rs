@@ -18,6 +18,15 @@ pub(super) fn split(cell: &str) -> (&str, Option<&str>) {
     (name.trim_end(), Some(unit.trim()))
 }
 
+/// Name and unit of a cell of the header, with the unit in brackets, in parentheses or behind a stroke.
+pub(super) fn name_and_unit(cell: &str) -> (&str, Option<&str>) {
+    let (name, unit) = split(cell);
+    match split_unit(name).filter(|_| unit.is_none()) {
+        Some((name, unit)) => (name, Some(unit)),
+        None => (name, unit),
+    }
+}
+
 /// Name and unit where the unit stands in parentheses or behind a stroke: `CH1 (V)`, `CH1(V)`, `t / s`, `U in V`. A
 /// unit of time without a name, as in `in s` or `[s]`, is that of the time.
 pub(super) fn split_unit(name: &str) -> Option<(&str, &str)> {

@@ -59,10 +59,8 @@ impl Grid {
             let rule = format!(
                 "{rows:e} rows from {start} s to {end} s are too many, there is memory for {most}; is time in us?"
             );
-            return Err(problem(
-                rule,
-                "give a lower rate: --resample=HZ, the unit of time: --unit time=us, or more memory: --log-memory MB",
-            ));
+            let way_out = "give a lower rate: --resample=HZ, the unit of time: --unit time=us, or more memory: --log-memory MB";
+            return Err(problem(rule, way_out));
         }
         Ok(Self { start, period, rows: rows as usize })
     }
@@ -71,9 +69,9 @@ impl Grid {
         // A whole number of Hz gives the times that a reader of decimals would give.
         let rate = (1.0 / self.period).round();
         let integer = (self.start * rate).round();
-        let is_in_hertz =
+        let is_exact =
             (rate * self.period - 1.0).abs() < 1e-12 && (integer - self.start * rate).abs() < 1e-9;
-        (0..self.rows).map(move |row| match is_in_hertz {
+        (0..self.rows).map(move |row| match is_exact {
             true => (integer + row as f64) / rate,
             false => self.start + row as f64 * self.period,
         })

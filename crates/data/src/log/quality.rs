@@ -63,15 +63,8 @@ impl Log {
             for column in &self.columns {
                 let values = &column.values[record.rows.clone()];
                 let mut note = |rows: Range<usize>, quality| {
-                    let first = record.rows.start + rows.start;
-                    findings.push(Finding {
-                        column: column.name.clone(),
-                        record: record.id,
-                        rows: first..record.rows.start + rows.end,
-                        place: self.place_of(first),
-                        value: column.values[first],
-                        quality,
-                    });
+                    let value = values[rows.start];
+                    findings.push(self.finding(&column.name, record, rows, value, quality));
                 };
                 outliers(values, &mut note);
                 stays(values, &mut note);
@@ -81,6 +74,20 @@ impl Log {
         findings
     }
 
+    /// A finding in these rows of a record.
+    fn finding(
+        &self,
+        column: &str,
+        record: &Record,
+        rows: Range<usize>,
+        value: f64,
+        quality: Quality,
+    ) -> Finding {
+        let rows = record.rows.start + rows.start..record.rows.start + rows.end;
+        let place = self.place_of(rows.start);
+        Finding { column: column.into(), record: record.id, rows, place, value, quality }
+    }
+
     fn missing(&self, record: &Record, findings: &mut Vec<Finding>) {
         let time = &self.time[record.rows.clone()];
         let mut periods: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -88,15 +95,8 @@ impl Log {
         for (row, pair) in time.windows(2).enumerate() {
             let lost = (pair[1] - pair[0]) / usual - 1.0;
             if lost > 0.5 {
-                let first = record.rows.start + row;
-                findings.push(Finding {
-                    column: "time".into(),
-                    record: record.id,
-                    rows: first..first + 2,
-                    place: self.place_of(first),
-                    value: pair[0],
-                    quality: Quality::Missing(lost.round() as usize),
-                });
+                let quality = Quality::Missing(lost.round() as usize);
+                findings.push(self.finding("time", record, row..row + 2, pair[0], quality));
             }
         }
     }
@@ -186,27 +186,26 @@ impl fmt::Display for Finding {
         let Self { place, column, value, rows, .. } = self;
         let count = rows.len();
         let s = if count == 1 { "" } else { "s" };
+        write!(f, "{place}: {column} = {value}: ")?;
         match self.quality {
-            Quality::Missing(lost) => write!(
-                f,
-                "{place}: {column} = {value}: {} missing behind this one; \
-                 begin a new record there, or resample",
-                if lost == 1 { "1 row is".to_owned() } else { format!("{lost} rows are") }
-            ),
+            Quality::Missing(lost) => {
+                let rows = if lost == 1 { "1 row is" } else { &format!("{lost} rows are") };
+                write!(f, "{rows} missing behind this one; begin a new record there, or resample")
+            }
             Quality::Outlier(by) => write!(
                 f,
-                "{place}: {column} = {value}: {count} sample{s} {by:.0} standard deviations away from \
-                 the neighbours; check the sensor, or leave the rows out"
+                "{count} sample{s} {by:.0} standard deviations away from the neighbours; check the sensor, or \
+                 leave the rows out"
             ),
             Quality::Saturated => write!(
                 f,
-                "{place}: {column} = {value}: {count} samples stay exactly at the signal's extreme: \
-                 saturated; reduce the amplitude, or leave the rows out"
+                "{count} samples stay exactly at the signal's extreme: saturated; reduce the amplitude, or \
+                 leave the rows out"
             ),
             Quality::Stuck => write!(
                 f,
-                "{place}: {column} = {value}: {count} samples stay exactly equal in a signal that \
-                 has noise: stuck; check the sensor, or leave the rows out"
+                "{count} samples stay exactly equal in a signal that has noise: stuck; check the sensor, or \
+                 leave the rows out"
             ),
         }
     }

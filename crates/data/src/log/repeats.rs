@@ -86,12 +86,8 @@ pub(super) fn doubt(time: &[f64], is_stated: bool, base: f64) -> Option<String> 
         ));
     }
     // Times in µs that were computed from seconds have rounding in them: 900.0000000000001.
-    let are_integers = || time.iter().all(|time| (time - time.round()).abs() <= 1e-12 * time.abs());
-    if is_stated
-        || usual < 1.0
-        || time.len() < if usual < 10.0 { 100 } else { 50 }
-        || !are_integers()
-    {
+    let integral = || time.iter().all(|time| (time - time.round()).abs() <= 1e-12 * time.abs());
+    if is_stated || usual < 1.0 || time.len() < if usual < 10.0 { 100 } else { 50 } || !integral() {
         return None;
     }
     let unit = if usual < 1000.0 { "ms or us" } else { "us or ns" };

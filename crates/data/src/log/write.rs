@@ -112,7 +112,7 @@ impl LogWriter {
             push_number(&mut self.line, *value);
         }
         self.line.push('\n');
-        self.file.write_all(self.line.as_bytes()).map_err(|error| self.failed(&error))?;
+        self.file.write_all(self.line.as_bytes()).map_err(|error| failed(&self.origin, &error))?;
         self.rows += 1;
         self.last = Some((record, time));
         Ok(())
@@ -126,10 +126,6 @@ impl LogWriter {
         let origin = std::mem::take(&mut self.origin);
         let sidecar = self.sidecar.take().map_or(Ok(()), WholeFile::commit);
         sidecar.and_then(|()| self.file.commit()).map_err(|error| failed(&origin, &error))
-    }
-
-    fn failed(&self, error: &io::Error) -> Problems {
-        failed(&self.origin, error)
     }
 }
 

@@ -79,10 +79,8 @@ fn columns(
         && let Ok(length) = <[u8; 4]>::try_from(length).map(u32::from_le_bytes)
         && length > LONGEST_HEADER
     {
-        return Err(broken(
-            name,
-            format!("its header of {length} bytes is longer than {LONGEST_HEADER}"),
-        ));
+        let why = format!("its header of {length} bytes is longer than {LONGEST_HEADER}");
+        return Err(broken(name, why));
     }
     let mut bytes = start.as_slice().chain(bytes);
     let header = NpyHeader::from_reader(&mut bytes).map_err(|error| broken(name, error))?;
@@ -104,8 +102,8 @@ fn columns(
         return Ok(Vec::new());
     };
     let too_large = || broken(name, "its shape is larger than its data");
-    let (rows, wide) =
-        (to_usize(rows).ok_or_else(too_large)?, to_usize(wide).ok_or_else(too_large)?);
+    let size = |count: u64| usize::try_from(count).map_err(|_| too_large());
+    let (rows, wide) = (size(rows)?, size(wide)?);
     if rows == 0 || wide == 0 {
         return Ok(Vec::new());
     }
@@ -163,10 +161,6 @@ fn why_not(plain: &TypeStr) -> &'static str {
     }
 }
 
-fn to_usize(count: u64) -> Option<usize> {
-    usize::try_from(count).ok()
-}
-
 /// The numbers among the fields of an item, and the item's size where it is known.
 fn fields_of(fields: &[npyz::Field], left_out: &mut Vec<LeftOut>) -> (Vec<Scalar>, Option<usize>) {
     let mut all = Vec::new();
@@ -191,14 +185,8 @@ fn fields_of(fields: &[npyz::Field], left_out: &mut Vec<LeftOut>) -> (Vec<Scalar
 fn scalars(name: &str, offset: usize, plain: &TypeStr) -> Vec<Scalar> {
     let Some(size) = plain.num_bytes() else { return Vec::new() };
     let is_big = plain.endianness() == Endianness::Big;
-    let of = |name: String, offset: usize, size: usize, kind: TypeChar| Scalar {
-        name,
-        offset,
-        size,
-        kind,
-        is_big,
-        ticks: ticks(plain),
-    };
+    let ticks = ticks(plain);
+    let of = |name, offset, size, kind| Scalar { name, offset, size, kind, is_big, ticks };
     let kind = plain.type_char();
     let is_number = match kind {
         TypeChar::Complex if matches!(size, 8 | 16) => {
@@ -210,7 +198,7 @@ fn scalars(name: &str, offset: usize, plain: &TypeStr) -> Vec<Scalar> {
         TypeChar::Bool => size == 1,
         TypeChar::Int | TypeChar::Uint => matches!(size, 1 | 2 | 4 | 8),
         TypeChar::Float => matches!(size, 2 | 4 | 8),
-        TypeChar::TimeDelta | TypeChar::DateTime => size == 8 && ticks(plain).is_some(),
+        TypeChar::TimeDelta | TypeChar::DateTime => size == 8 && ticks.is_some(),
         _ => false,
     };
     if is_number { vec![of(name.to_owned(), offset, size, kind)] } else { Vec::new() }

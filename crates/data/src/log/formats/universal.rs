@@ -247,12 +247,9 @@ impl<'a> Function<'a> {
                 for line in lines {
                     let text = String::from_utf8_lossy(line);
                     budget.column(text.len().div_ceil(13) as u64)?;
-                    all.extend(row(&text, widths).ok_or_else(|| {
-                        broken(
-                            "a universal file",
-                            format!("\"{}\" is no row of numbers", text.trim()),
-                        )
-                    })?);
+                    let why = || format!("\"{}\" is no row of numbers", text.trim());
+                    let row = row(&text, widths);
+                    all.extend(row.ok_or_else(|| broken("a universal file", why()))?);
                 }
                 Ok(all)
             }

@@ -171,13 +171,11 @@ fn laid_out(
     notes: &mut Vec<String>,
 ) -> Result<Log, Problems> {
     let Some(mut layout) = Layout::find(&head) else {
-        return Err(if head.trim_ascii().is_empty() {
-            source.problem("is empty", "give a header row and data rows").into()
-        } else {
-            source
-                .problem("has no rows of data", "give at least one row of numbers below the header")
-                .into()
-        });
+        let (rule, way_out) = match head.trim_ascii() {
+            [] => ("is empty", "give a header row and data rows"),
+            _ => ("has no rows of data", "give at least one row of numbers below the header"),
+        };
+        return Err(source.problem(rule, way_out).into());
     };
     if !head.is_ascii() && std::str::from_utf8(&head[..layout.start.min(head.len())]).is_err() {
         notes.push("the text above the table is no UTF-8, it is read as Latin-1".into());
@@ -219,9 +217,8 @@ fn name_columns(layout: &mut Layout, source: &Source<'_>) -> Result<(), Problems
         return Err(source.problem(rule, "give one name for each cell").line(layout.line).into());
     }
     if layout.has_names {
-        layout
-            .notes
-            .push(format!("the names of line {} are replaced by those given", layout.header_line));
+        let note = format!("the names of line {} are replaced by those given", layout.header_line);
+        layout.notes.push(note);
     }
     layout.header.clone_from(given);
     Ok(())
@@ -238,26 +235,18 @@ fn example(count: usize, first: &str, from: usize) -> String {
 fn check_is_text(head: &[u8], source: &Source<'_>) -> Result<(), Problems> {
     let refuse =
         |rule: &str| Err(source.problem(rule, "save the log as CSV in UTF-8, with commas").into());
-    if let [b'P', b'K', 3, 4, ..] = head {
-        if source.origin.to_lowercase().ends_with(".fmu") {
-            let rule = "is an FMU, no log";
-            return Err(source
-                .problem(
-                    rule,
-                    "give measured data; a model is given with --model or as the first argument",
-                )
-                .into());
-        }
-        return refuse("is a zip archive or a workbook");
+    let is_zip = head.starts_with(b"PK\x03\x04");
+    let model = match () {
+        () if is_zip && source.origin.to_lowercase().ends_with(".fmu") => Some("is an FMU, no log"),
+        () if head.starts_with(b"piezoloop = ") => Some("is a blueprint, no log"),
+        () => None,
+    };
+    if let Some(rule) = model {
+        let way_out = "give measured data; a model is given with --model or as the first argument";
+        return Err(source.problem(rule, way_out).into());
     }
-    if head.starts_with(b"piezoloop = ") {
-        let rule = "is a blueprint, no log";
-        return Err(source
-            .problem(
-                rule,
-                "give measured data; a model is given with --model or as the first argument",
-            )
-            .into());
+    if is_zip {
+        return refuse("is a zip archive or a workbook");
     }
     if head.contains(&0) {
         return refuse("is no text but binary data");

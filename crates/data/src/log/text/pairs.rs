@@ -8,16 +8,14 @@ use super::rows::{is_name_of, is_same_unit, other_unit};
 use super::{BUFFER, Source, decode};
 use crate::Problems;
 use crate::log::group::{Found, Group, Raw};
-use crate::log::header_cell::{split, split_unit};
+use crate::log::header_cell::name_and_unit;
 use crate::log::lines::Place;
 use crate::log::ticks::{self, Base, Start};
 use crate::log::{Log, cell, time_column};
 
 /// Whether a cell of the header names a column of times.
 fn is_time(cell: &str) -> bool {
-    let (name, unit) = split(cell);
-    let own = || split_unit(name).map_or(name, |(name, _)| name);
-    time_column::of_name(if unit.is_none() { own() } else { name }).is_some()
+    time_column::of_name(name_and_unit(cell).0).is_some()
 }
 
 /// Says why the signals cannot be used that have another unit in this part than in the first.
@@ -117,12 +115,7 @@ pub(super) fn read(
     let columns = layout.header.iter().zip(columns).zip(&layout.kinds);
     for ((((cell, mut values), kind), base), other) in columns.zip(bases).zip(other_units) {
         let start = if base.is_none() { Start::None } else { Start::Long(base) };
-        let (name, unit) = match split(cell) {
-            (name, None) => {
-                split_unit(name).map_or((name, None), |(name, unit)| (name, Some(unit)))
-            }
-            with_unit => with_unit,
-        };
+        let (name, unit) = name_and_unit(cell);
         let end = values.iter().rposition(|value| !value.is_nan()).map_or(0, |at| at + 1);
         values.truncate(end);
         if time_column::of_name(name).is_some() {

@@ -4,6 +4,7 @@
 
 use std::rc::Rc;
 
+use super::super::half;
 use super::blocks::{Block, Blocks};
 use super::conversion::{Conversion, Conversions, Converted};
 use crate::log::group::{Raw, Refusal};
@@ -234,20 +235,8 @@ fn raw(bytes: &[u8], shift: u32, bits: u32, kind: Kind) -> f64 {
     match (kind, bits) {
         (Kind::Unsigned, _) => (unsigned << unused >> unused) as f64,
         (Kind::Signed, _) => ((unsigned << unused) as i64 >> unused) as f64,
-        (Kind::Float, 16) => half(unsigned as u16),
+        (Kind::Float, 16) => half::number(unsigned as u16),
         (Kind::Float, 32) => f64::from(f32::from_bits(unsigned as u32)),
         (Kind::Float, _) => f64::from_bits(unsigned),
-    }
-}
-
-/// A number of IEEE 754's binary16.
-fn half(bits: u16) -> f64 {
-    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
-    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023));
-    sign * match exponent {
-        0 => fraction * 2.0_f64.powi(-24),
-        31 if fraction == 0.0 => f64::INFINITY,
-        31 => f64::NAN,
-        _ => (1024.0 + fraction) * 2.0_f64.powi(exponent - 25),
     }
 }

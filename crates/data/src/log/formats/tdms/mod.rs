@@ -170,9 +170,9 @@ impl Sampled {
         if let (Some(grid), false) = (self.grid, self.has_time) {
             // A whole number of Hz gives the times that a reader of decimals would give.
             let rate = (1.0 / grid.period).round();
-            let is_in_hertz = (rate * grid.period - 1.0).abs() < 1e-12;
+            let is_exact = (rate * grid.period - 1.0).abs() < 1e-12;
             let after =
-                |row: usize| if is_in_hertz { row as f64 / rate } else { row as f64 * grid.period };
+                |row: usize| if is_exact { row as f64 / rate } else { row as f64 * grid.period };
             let times = (0..self.rows).map(|row| grid.start + after(row)).collect();
             self.columns.insert(0, Raw::new("time", Some("s".into()), times));
         }

@@ -105,14 +105,6 @@ pub(super) struct Cell {
 }
 
 impl Layout {
-    pub(super) fn plain(kind: u32, count: u64, text_bytes: Option<u64>) -> Self {
-        Self { kind, count, text_bytes, cells: Vec::new(), widths: Vec::new() }
-    }
-
-    pub(super) fn daqmx(count: u64, cells: Vec<Cell>, widths: Vec<u32>) -> Self {
-        Self { kind: 0, count, text_bytes: None, cells, widths }
-    }
-
     /// Bytes in a chunk; `None` where nobody can say.
     pub(super) fn bytes(&self) -> Option<u64> {
         match self.text_bytes {

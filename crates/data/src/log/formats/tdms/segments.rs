@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::super::broken;
 use super::super::budget::Budget;
-use super::object::{Cell, Layout, Object, Property, size_of_kind};
+use super::object::{Cell, Layout, Object, Property, TEXT, size_of_kind};
 use super::values::{Chunk, Order, number};
 use crate::log::group::Refusal;
 
@@ -162,8 +162,8 @@ fn layout(bytes: &mut Bytes<'_>, index: u32) -> Result<Layout, Refusal> {
         if !matches!(index, 20 | 28) {
             return Err(broken("TDMS", format_args!("the index of a channel has {index} bytes")));
         }
-        let size = if kind == 0x20 { Some(bytes.u64()?) } else { None };
-        return Ok(Layout::plain(kind, count, size));
+        let text_bytes = if kind == TEXT { Some(bytes.u64()?) } else { None };
+        return Ok(Layout { kind, count, text_bytes, cells: Vec::new(), widths: Vec::new() });
     }
     let mut cells = Vec::new();
     for _ in 0..bytes.u32()? {
@@ -178,7 +178,7 @@ fn layout(bytes: &mut Bytes<'_>, index: u32) -> Result<Layout, Refusal> {
     for _ in 0..bytes.u32()? {
         widths.push(bytes.u32()?);
     }
-    Ok(Layout::daqmx(count, cells, widths))
+    Ok(Layout { kind: 0, count, text_bytes: None, cells, widths })
 }
 
 fn property(bytes: &mut Bytes<'_>) -> Result<Property, Refusal> {

@@ -190,13 +190,10 @@ impl Chunk {
         let mut start = 0_usize;
         for (object, layout) in &self.objects {
             let bytes = layout.bytes().unwrap_or(0) as usize;
-            if let (Some(step), None) = (size_of_kind(layout.kind), layout.text_bytes) {
-                let count = (length.saturating_sub(start) / step).min(layout.count as usize);
-                stretches.push(Stretch { object: *object, layout, cell: None, start, step, count });
-            } else {
-                let (step, count) = (0, 0);
-                stretches.push(Stretch { object: *object, layout, cell: None, start, step, count });
-            }
+            let step = size_of_kind(layout.kind).filter(|_| layout.text_bytes.is_none());
+            let count = step.map_or(0, |step| length.saturating_sub(start) / step);
+            let (step, count) = (step.unwrap_or(0), count.min(layout.count as usize));
+            stretches.push(Stretch { object: *object, layout, cell: None, start, step, count });
             start = start.saturating_add(bytes);
         }
         stretches
