@@ -15,6 +15,7 @@
 mod block;
 mod component;
 mod kernel;
+mod last_step;
 mod linear;
 mod map;
 mod mechanics;

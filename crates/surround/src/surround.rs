@@ -1,10 +1,10 @@
 //! Effects around one instance of the original.
 
 use crate::kernel::{Kernel, Wires};
+use crate::last_step::Last;
 use crate::port_variable::{PortVariable, port_variables};
 use crate::repair::{Error, Piece, Port, Repair, Side};
 use crate::state::State;
-use crate::tangent::Last;
 
 /// Why one of the repair's own variables is not set.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
