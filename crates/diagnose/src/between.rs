@@ -23,7 +23,6 @@ use numerics::Complex;
 use numerics::fft::Fft;
 use serde::{Deserialize, Serialize};
 
-use crate::request::Request;
 use crate::thresholds::base::Thresholds;
 
 /// What the command does between two rows of a log.
@@ -183,17 +182,6 @@ impl Course {
     pub(crate) fn given(between: Option<Between>, reading: Option<Reading>) -> Self {
         let (between, reading) = Between::with_reading(between, reading);
         Self { between, reading, is_stepped: false }
-    }
-
-    /// How the logs of a question are read first.
-    pub(crate) fn first(request: &Request) -> Self {
-        match (request.between, request.reading) {
-            (None, None) => {
-                let (between, reading) = request.first;
-                Self { between, reading, is_stepped: false }
-            }
-            (between, reading) => Self::given(between, reading),
-        }
     }
 
     /// What else than `first` a log may be read as where so much is said, by a model with several `steps` from row to row

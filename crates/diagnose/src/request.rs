@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use data::{CheckedBlueprint, ComponentBlueprint, Log, NameMap};
 
-use crate::between::{Between, Reading};
+use crate::between::{Between, Course, Reading};
 use crate::error::Error;
 
 /// The model that does not match.
@@ -114,6 +114,17 @@ impl Request {
             threads: 0,
             seed: 1,
             worker: None,
+        }
+    }
+
+    /// How the logs are read first.
+    pub(crate) fn first_course(&self) -> Course {
+        match (self.between, self.reading) {
+            (None, None) => {
+                let (between, reading) = self.first;
+                Course { between, reading, is_stepped: false }
+            }
+            (between, reading) => Course::given(between, reading),
         }
     }
 }

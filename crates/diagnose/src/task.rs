@@ -284,7 +284,7 @@ pub(crate) fn assemble(
     let (u, y) = (&inputs[input], &outputs[output]);
     let aux = auxiliaries(request, inputs, outputs, input);
     let names: Vec<(String, bool)> = aux.iter().map(|a| (a.column.clone(), a.is_command)).collect();
-    let course = Course::first(request);
+    let course = request.first_course();
     let mut records = Vec::new();
     let mut warnings = Vec::new();
     let logs = request.logs.iter().map(|log| (log, false));
