@@ -27,6 +27,7 @@ mod fit;
 mod fmu;
 mod gap;
 mod jitter;
+mod left_out;
 mod library;
 mod new_record;
 mod noise;

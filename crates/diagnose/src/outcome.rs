@@ -122,6 +122,21 @@ impl Outcome {
         candidate.picks.iter().map(|(family, number)| &self.library[*family].formulas[*number])
     }
 
+    /// The effects of a candidate: name, formula, values of its parameters.
+    pub(crate) fn effects<'a>(
+        &'a self,
+        candidate: &'a Candidate,
+    ) -> impl Iterator<Item = (&'static str, &'a Formula, Vec<f64>)> {
+        let parameters = candidate.chain.parameters.iter().zip(&candidate.fit.theta);
+        let mut own = parameters.skip_while(|(p, _)| p.is_base);
+        candidate.picks.iter().map(move |(family, number)| {
+            let family = &self.library[*family];
+            let formula = &family.formulas[*number];
+            let values = own.by_ref().take(formula.parameters.len()).map(|(p, q)| p.value(*q));
+            (family.effect.name, formula, values.collect())
+        })
+    }
+
     /// Whether something was found that explains the reading, in its own axis or in others.
     pub(crate) fn is_explained(&self) -> bool {
         !self.found.last.picks.is_empty() || !self.moved_by.is_empty()

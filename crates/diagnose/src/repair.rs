@@ -17,6 +17,7 @@ pub(crate) use self::joint::write as write_joint;
 use self::plays::Plays;
 use crate::base::{Base, Part};
 use crate::chain::Chain;
+use crate::left_out::{part_stays_out, stays_out};
 use crate::library::{Formula, Piece, Slot};
 use crate::outcome::Outcome;
 use crate::score::Judged;
@@ -53,13 +54,13 @@ pub(crate) fn repair(
     retune(&o.task.base, (&last.chain, &last.fit.theta), o, (blueprint, axis));
     let given = blueprint.clone();
     let mut changes: Vec<Change> = Vec::new();
-    for (effect, formula, values) in found(o, last) {
+    for (effect, formula, values) in o.effects(last) {
         // What changes the actuator or a mode builds on what was changed there before.
         let axis_now = &apply(&given, axis, &changes).axes[axis - 1].clone();
         let Some(own) = write(o, last, effect, formula, &values, (&given.axes[axis - 1], axis_now))
         else {
             if formula.releases.is_empty() && formula.joint_mode.is_none() {
-                notes.push(crate::repaired_fmu::stays_out(effect, formula));
+                notes.push(stays_out(effect, formula));
             }
             continue;
         };
@@ -68,7 +69,7 @@ pub(crate) fn repair(
         tried.extend(own);
         match apply(&given, axis, &tried).check(components::COMPONENTS) {
             Ok(_) => {
-                notes.extend(crate::repaired_fmu::part_stays_out(effect, formula));
+                notes.extend(part_stays_out(effect, formula));
                 changes = tried;
             }
             Err(problems) => notes.push(format!(
@@ -120,21 +121,6 @@ pub(crate) fn repair(
     (notes, Some(base.judged.clone()))
 }
 
-/// The effects of a candidate: name, formula, values of its parameters.
-pub(crate) fn found<'a>(
-    o: &'a Outcome,
-    candidate: &'a Candidate,
-) -> impl Iterator<Item = (&'static str, &'a Formula, Vec<f64>)> {
-    let parameters = candidate.chain.parameters.iter().zip(&candidate.fit.theta);
-    let mut own = parameters.skip_while(|(p, _)| p.is_base);
-    candidate.picks.iter().map(move |(family, number)| {
-        let family = &o.library[*family];
-        let formula = &family.formulas[*number];
-        let values = own.by_ref().take(formula.parameters.len()).map(|(p, q)| p.value(*q));
-        (family.effect.name, formula, values.collect())
-    })
-}
-
 /// Effects that are linear dynamics: what a model that was identified from the same logs may lack, whatever the machine is.
 pub(crate) const LINEAR: [&Effect; 4] = [
     &effects::EXTRA_MODE,
@@ -150,7 +136,7 @@ pub(crate) fn linear_parts(o: &Outcome, axis: usize, blueprint: &mut Blueprint) 
     retune(&o.task.base, (&last.chain, &last.fit.theta), o, (blueprint, axis));
     let given = blueprint.clone();
     let (mut changes, mut has_any) = (Vec::new(), false);
-    let all = found(o, last);
+    let all = o.effects(last);
     for (effect, formula, values) in all.filter(|(effect, ..)| crate::is_linear(effect)) {
         let axis_now = &apply(&given, axis, &changes).axes[axis - 1].clone();
         let axes = (&given.axes[axis - 1], axis_now);

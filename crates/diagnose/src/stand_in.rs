@@ -2,9 +2,9 @@
 
 use std::sync::atomic::AtomicU64;
 
+use crate::left_out::stays_out;
 use crate::library::Formula;
 use crate::outcome::Outcome;
-use crate::repair::found;
 use crate::score::explained;
 use crate::select::{Candidate, Memo, Search};
 use crate::thresholds::repair::Thresholds;
@@ -37,7 +37,7 @@ pub(crate) fn stand_in(
         let (effect, best) = (family.effect.name, &family.formulas[pick.1]);
         let is_own = best.pieces.is_empty() && best.force.is_none();
         if (is_own && (!best.releases.is_empty() || best.joint_mode.is_some()))
-            || found(o, &last).nth(slot).is_some_and(|(.., own)| is_written(effect, best, &own))
+            || o.effects(&last).nth(slot).is_some_and(|(.., own)| is_written(effect, best, &own))
         {
             continue;
         }
@@ -75,7 +75,7 @@ pub(crate) fn stand_in(
             last = other;
         } else {
             // Values that were fitted beside an effect are wrong without it.
-            notes.push(crate::repaired_fmu::stays_out(effect, best));
+            notes.push(stays_out(effect, best));
             last = without;
         }
     }

@@ -11,6 +11,7 @@ use surround::{Block, Change, Effect, Original, Parameter, Piece, Port, Repair, 
 use crate::answer::scale_of;
 use crate::error::Error;
 use crate::fmu::inner_step;
+use crate::left_out::{part_stays_out, stays_out};
 use crate::library::{Formula, OWN_COMMAND, Slot};
 use crate::outcome::Outcome;
 pub use package::Repaired;
@@ -205,7 +206,7 @@ impl<'a> Maker<'a> {
 
     /// The named effects of one output.
     fn effects(&mut self, o: &Outcome) -> Result<(), Error> {
-        for (name, formula, values) in crate::repair::found(o, &o.found.last) {
+        for (name, formula, values) in o.effects(&o.found.last) {
             self.effect(o, name, formula, &values)?;
         }
         Ok(())
@@ -520,30 +521,6 @@ fn place_of(slot: Slot) -> u32 {
 /// A block without parameters where another one is.
 fn plain_piece(beside: &Piece, block: Block) -> Piece {
     Piece { parameters: Vec::new(), auxiliary: None, block, ..beside.clone() }
-}
-
-/// Why an effect is no part of a repaired model.
-pub(crate) fn stays_out(effect: &str, formula: &Formula) -> String {
-    let why = if formula.nuisance.is_some() {
-        "a disturbance whose phase or course differs from record to record, which no model predicts"
-    } else if effect == "clock_offset" {
-        "it lies between two clocks and not in the machine"
-    } else if effect == "initial_state" {
-        "it belongs to the start of each record and not to the machine"
-    } else {
-        "there is no block or component of this formula"
-    };
-    format!("{effect} ({}) stays out of the repaired model: {why}", formula.name)
-}
-
-/// What of an effect that is written is no part of a repaired model.
-pub(crate) fn part_stays_out(effect: &str, formula: &Formula) -> Option<String> {
-    formula.nuisance.as_ref().map(|_| {
-        format!(
-            "{effect} ({}) is written with the part that is the same in each record; the part whose phase differs from record to record is not in the repaired model",
-            formula.name
-        )
-    })
 }
 
 /// A text as a part of a structured name.
