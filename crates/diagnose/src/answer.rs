@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicU64;
 use self::leftover::leftover;
 use self::sensor::{noisier, stepped};
 use crate::belief::{self, Sight};
-use crate::chain::{Chain, Parameter};
+use crate::chain::Chain;
 use crate::experiment;
 use crate::gap::{
     Estimate, Gap, ModelKind, NamedEffect, OutputGap, Partial, Provenance, Retuned, SCHEMA, Shrink,
@@ -19,6 +19,7 @@ use crate::gap::{
 use crate::new_record;
 use crate::outcome::Outcome;
 use crate::own_course;
+use crate::parameter::Parameter;
 use crate::place::Maps;
 use crate::request::{Model, Request};
 use crate::score::{Judged, explained};

@@ -13,7 +13,7 @@ use crate::black_box::BlackBox;
 use crate::chain::{self, Chain, ComponentNode, Node};
 use crate::coupled::{self, Front, Hint, Joint};
 use crate::error::Error;
-use crate::library::{Formula, Slot};
+use crate::formula::{Formula, Slot};
 use crate::request::{Deviation, Tolerance};
 use crate::thresholds::base::Thresholds;
 

@@ -1,6 +1,6 @@
 //! How sure a name is: probabilities of rivals, and of none of them.
 
-use crate::library::Family;
+use crate::formula::Family;
 use crate::outcome::Outcome;
 use crate::select::{Candidate, Looked};
 use crate::thresholds::belief::Thresholds;

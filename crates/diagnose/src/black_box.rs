@@ -9,15 +9,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use cosim::{Experiment, Fmu, HOST, InstanceOptions, Message, RunError, Selection, Slave};
 use cosim::{StepResult, Value};
+use modeldescription::ModelDescription;
 use surround::Span;
 
 pub(crate) use self::entry::Entry;
 use self::entry::{ringing, small_step};
 use self::known::Known;
-use crate::chain::{Failed, Link};
 use crate::data_set::RecordData;
-use crate::error::Error;
-use crate::fmu::inner_step;
+use crate::error::{Error, Failed};
+use crate::parameter::Link;
 use crate::thresholds::base::Thresholds;
 
 /// An FMU with one input that the chain drives, others that a record drives, and one output.
@@ -367,6 +367,12 @@ impl BlackBox {
         }
         slave.terminate()
     }
+}
+
+/// The step in s that the FMU takes by itself, as far as it says.
+pub(crate) fn inner_step(description: &ModelDescription) -> Option<f64> {
+    let fixed = description.co_simulation.as_ref().and_then(|cs| cs.fixed_internal_step_size);
+    fixed.or_else(|| description.default_experiment.as_ref().and_then(|e| e.step_size))
 }
 
 fn incidents_of(incidents: &Mutex<Incidents>) -> MutexGuard<'_, Incidents> {

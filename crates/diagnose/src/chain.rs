@@ -16,57 +16,10 @@ use surround::{Block, ForcedMode, Signals};
 use crate::black_box::BlackBox;
 use crate::coupled::Joint;
 use crate::data_set::{DataSet, RecordData};
-use crate::library::OWN_COMMAND;
+use crate::error::Failed;
+use crate::parameter::{Link, Parameter};
 use crate::path_block::PathBlock;
 use crate::thresholds::fit::Thresholds;
-
-/// A parameter of a chain, in the coordinate in which it is fitted.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Parameter {
-    /// Name in reports.
-    pub(crate) name: String,
-    /// Unit in reports.
-    pub(crate) unit: String,
-    /// Least value of the coordinate.
-    pub(crate) low: f64,
-    /// Greatest value of the coordinate.
-    pub(crate) high: f64,
-    /// Whether the coordinate is the logarithm of the value.
-    pub(crate) log: bool,
-    /// Step of the coordinate for finite differences.
-    pub(crate) step: f64,
-    /// Whether the output jumps where it moves, so that no slope shows the way.
-    pub(crate) jumps: bool,
-    /// Weight of the prior `coordinate²`; 0: none.
-    pub(crate) prior: f64,
-    /// First node that depends on it.
-    pub(crate) node: usize,
-    /// Whether it belongs to the model as it came.
-    pub(crate) is_base: bool,
-}
-
-impl Parameter {
-    /// The value of this coordinate.
-    pub(crate) fn value(&self, coordinate: f64) -> f64 {
-        if self.log { coordinate.exp() } else { coordinate }
-    }
-
-    /// Whether this coordinate lies between the bounds, and at neither.
-    pub(crate) fn is_inside(&self, coordinate: f64) -> bool {
-        coordinate > self.low && coordinate < self.high
-    }
-}
-
-/// How a parameter of the chain moves a parameter of a component: value + deviation·coordinate.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Link {
-    /// Number of the parameter in the chain.
-    pub(crate) parameter: usize,
-    /// Index in the component's values.
-    pub(crate) index: usize,
-    /// Change per unit of the coordinate, in SI.
-    pub(crate) deviation: f64,
-}
 
 /// A component of the blueprint.
 #[derive(Clone)]
@@ -89,6 +42,9 @@ pub(crate) struct Acting {
     /// The far end of the range.
     pub(crate) far: f64,
 }
+
+/// The path's own command as the auxiliary signal of a block.
+pub(crate) const OWN_COMMAND: usize = usize::MAX;
 
 /// One node of a chain.
 #[derive(Clone)]
@@ -131,10 +87,6 @@ impl Node {
 pub(crate) fn joint(nodes: &[Node]) -> Option<(usize, &Joint)> {
     nodes.iter().enumerate().find_map(|(k, node)| Some((k, node.joint()?)))
 }
-
-/// Why a simulation of a candidate has no result: parameters that are none, or numbers that overflow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Failed;
 
 /// A chain with its parameters.
 #[derive(Clone)]

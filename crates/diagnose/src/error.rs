@@ -2,6 +2,10 @@
 
 use std::path::PathBuf;
 
+/// Why a simulation of a candidate has no result: parameters that are none, or numbers that overflow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Failed;
+
 /// Why a diagnosis cannot be made. Every message says what, where, and the way out.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

@@ -15,8 +15,9 @@ use rayon::prelude::*;
 
 use self::broyden::correct;
 pub(crate) use self::first_order::Linear;
-use crate::chain::{Bench, Chain, Failed, Horizon};
+use crate::chain::{Bench, Chain, Horizon};
 use crate::data_set::DataSet;
+use crate::error::Failed;
 use crate::normal::normal_equations;
 use crate::nuisance::{Nuisance, Projector, relevant};
 use crate::thresholds::fit::Thresholds;

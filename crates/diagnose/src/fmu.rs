@@ -5,16 +5,15 @@ use std::path::Path;
 
 use cosim::{Fmu, Worker};
 use model::{Unit, UnitError};
-use modeldescription::ModelDescription;
 use modeldescription::variable::{Causality, DataType, Number, Variable};
 use surround::Span;
 
 use crate::base::{Base, BaseParameter, Part, tolerance};
-use crate::black_box::{BlackBox, Entry, Own, Times};
+use crate::black_box::{BlackBox, Entry, Own, Times, inner_step};
 use crate::chain::{ComponentNode, Node};
 use crate::data_set::RecordData;
 use crate::error::Error;
-use crate::library::Slot;
+use crate::formula::Slot;
 use crate::request::Request;
 use crate::task::{Port, Task, assemble, check_names, check_rows, choose};
 use crate::thresholds::base::Thresholds;
@@ -25,12 +24,6 @@ pub(crate) fn open(path: &Path, worker: Option<&Worker>) -> Result<Fmu, Error> {
         Some(worker) => Fmu::open_isolated(path, worker)?,
         None => Fmu::open(path)?,
     })
-}
-
-/// The step in s that the FMU takes by itself, as far as it says.
-pub(crate) fn inner_step(description: &ModelDescription) -> Option<f64> {
-    let fixed = description.co_simulation.as_ref().and_then(|cs| cs.fixed_internal_step_size);
-    fixed.or_else(|| description.default_experiment.as_ref().and_then(|e| e.step_size))
 }
 
 /// All tasks of a black box.

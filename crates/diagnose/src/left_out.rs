@@ -1,6 +1,6 @@
 //! What a repaired model leaves out, in sentences.
 
-use crate::library::Formula;
+use crate::formula::Formula;
 
 /// Why an effect is no part of a repaired model.
 pub(crate) fn stays_out(effect: &str, formula: &Formula) -> String {

@@ -3,9 +3,10 @@
 use std::ops::Range;
 use std::sync::atomic::AtomicU64;
 
-use crate::chain::{Bench, Chain, Failed, Horizon};
+use crate::chain::{Bench, Chain, Horizon};
 use crate::data_set::DataSet;
 use crate::discrepancy::{self, Discrepancy};
+use crate::error::Failed;
 use crate::noise::Shape;
 use crate::nuisance::{self, Projector};
 use crate::spectrum::{self, Bands};

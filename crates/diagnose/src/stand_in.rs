@@ -2,8 +2,8 @@
 
 use std::sync::atomic::AtomicU64;
 
+use crate::formula::Formula;
 use crate::left_out::stays_out;
-use crate::library::Formula;
 use crate::outcome::Outcome;
 use crate::score::explained;
 use crate::select::{Candidate, Memo, Search};

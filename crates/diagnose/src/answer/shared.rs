@@ -4,8 +4,8 @@
 //! Each output is diagnosed by itself; where they agree on frequency and damping, or on the model's own parameters,
 //! it is one cause. Then a name must be in the sets of all of them.
 
+use crate::formula::Slot;
 use crate::gap::{Estimate, NamedEffect};
-use crate::library::Slot;
 use crate::outcome::Outcome;
 use crate::thresholds::answer::Thresholds;
 

@@ -1,9 +1,10 @@
 //! Puts the model and effects together to one chain.
 
 use super::{Base, BaseParameter};
-use crate::chain::{Acting, Chain, Link, Node, Parameter};
+use crate::chain::{Acting, Chain, Node};
 use crate::coupled::FurtherMode;
-use crate::library::{Formula, Slot};
+use crate::formula::{Formula, Slot};
+use crate::parameter::{Link, Parameter};
 use crate::path_block::RecordBlock;
 use crate::thresholds::base::Thresholds;
 

@@ -2,8 +2,9 @@
 
 use model::{ComponentRef, Record, Way};
 
-use super::{ComponentNode, Failed, Horizon, ends_finite, ranges};
+use super::{ComponentNode, Horizon, ends_finite, ranges};
 use crate::data_set::DataSet;
+use crate::error::Failed;
 use crate::thresholds::fit::Thresholds;
 
 impl ComponentNode {

@@ -15,9 +15,11 @@ use surround::Span;
 
 use super::refused;
 use crate::base::{Base, Part};
-use crate::chain::{self, Bench, Chain, ComponentNode, Failed, Horizon, Link, Parameter};
+use crate::chain::{self, Bench, Chain, ComponentNode, Horizon};
 use crate::data_set::DataSet;
 use crate::error::Error;
+use crate::error::Failed;
+use crate::parameter::{Link, Parameter};
 use crate::thresholds::base::Thresholds;
 
 /// The way of the own path through a coupling, and what the others add.

@@ -7,11 +7,12 @@
 use super::{Readings, leaves_less, mode_near_nyquist, names};
 use crate::base::Base;
 use crate::between::{Between, Course};
-use crate::chain::{Chain, Node, Parameter};
+use crate::chain::{Chain, Node};
 use crate::data_set::DataSet;
 use crate::fit::{Fit, Fitter};
 use crate::gap::Verdict;
 use crate::outcome::{self, Outcome};
+use crate::parameter::Parameter;
 use crate::path_block::RecordBlock;
 use crate::select::{Candidate, has_gap};
 use crate::sentence::together;

@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Fitter, Work};
-use crate::chain::{Chain, Failed};
+use crate::chain::Chain;
+use crate::error::Failed;
 use crate::normal::{dot, products, within};
 
 /// A chain in the first order about a point.

@@ -3,8 +3,9 @@
 use surround::Block;
 
 use super::*;
-use crate::chain::{Node, Parameter};
+use crate::chain::Node;
 use crate::data_set::RecordRows;
+use crate::parameter::Parameter;
 
 /// A mode, frequency and damping, and a gain.
 fn mode() -> Chain {

@@ -4,7 +4,8 @@ use components::effects;
 use model::Range;
 use surround::{Block, Growth, Loss, Memory, Operator};
 
-use super::{Family, Formula, Free, Setting, Slot};
+use super::Setting;
+use crate::formula::{Family, Formula, Free, Slot};
 use crate::path_block::RecordBlock;
 use crate::thresholds::search::Thresholds;
 

@@ -4,8 +4,9 @@ use components::effects;
 use model::Effect;
 use surround::{Block, Span};
 
-use super::{Family, Formula, Free, Setting, Slot};
+use super::Setting;
 use crate::converter::Gaps;
+use crate::formula::{Family, Formula, Free, Slot};
 use crate::nuisance::Nuisance;
 use crate::path_block::RecordBlock;
 use crate::thresholds::search::Thresholds;

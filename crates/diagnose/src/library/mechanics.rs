@@ -4,8 +4,10 @@ use components::effects;
 use model::Effect;
 use surround::Block;
 
-use super::{Family, Formula, Free, OWN_COMMAND, Setting, Slot};
+use super::Setting;
 use crate::chain::Force;
+use crate::chain::OWN_COMMAND;
+use crate::formula::{Family, Formula, Free, Slot};
 use crate::nuisance::Nuisance;
 use crate::thresholds::search::Thresholds;
 

@@ -3,7 +3,8 @@
 use components::effects;
 use surround::Block;
 
-use super::{Family, Formula, Free, Setting, Slot};
+use super::Setting;
+use crate::formula::{Family, Formula, Free, Slot};
 use crate::nuisance::Nuisance;
 use crate::path_block::RecordBlock;
 

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicU64;
 use surround::{Memory, Piece as Surrounding, Repair, Side, Surround};
 
 use super::*;
-use crate::chain::{Bench, Horizon};
+use crate::chain::{Bench, Horizon, OWN_COMMAND};
 use crate::data_set::RecordRows;
 
 /// Two records of loops with a neighbour's command and a temperature beside them.

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicU64;
 
 use super::{Base, Outcome, Run, Scale};
 use crate::error::Error;
-use crate::library::Formula;
+use crate::formula::Formula;
 use crate::nuisance::Nuisance;
 use crate::request::Request;
 use crate::select::{Memo, are_several_in_faint_gap};

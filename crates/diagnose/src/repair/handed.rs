@@ -15,7 +15,7 @@ use crate::base::compose::LATE;
 use crate::base::{Base, Part};
 use crate::chain::Chain;
 use crate::fit::Fitter;
-use crate::library::{Formula, Slot};
+use crate::formula::{Formula, Slot};
 use crate::offset;
 use crate::outcome::Outcome;
 use crate::request::{Deviation, Tolerance};

@@ -4,7 +4,7 @@ use data::ComponentBlueprint;
 use model::Extension;
 
 use super::{Plays, extended, gain_in_front, number, take_place};
-use crate::library::{Piece, Slot};
+use crate::formula::{Piece, Slot};
 use crate::outcome::Outcome;
 use crate::select::Candidate;
 use crate::thresholds::repair::Thresholds;

@@ -9,10 +9,11 @@ use modeldescription::variable::Causality;
 use surround::{Block, Change, Effect, Original, Parameter, Piece, Port, Repair, Side, Variable};
 
 use crate::answer::scale_of;
+use crate::black_box::inner_step;
+use crate::chain::OWN_COMMAND;
 use crate::error::Error;
-use crate::fmu::inner_step;
+use crate::formula::{Formula, Slot};
 use crate::left_out::{part_stays_out, stays_out};
-use crate::library::{Formula, OWN_COMMAND, Slot};
 use crate::outcome::Outcome;
 pub use package::Repaired;
 pub(crate) use package::pack;

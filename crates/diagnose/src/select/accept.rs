@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::{Candidate, Found, Looked, Search, are_several_in_faint_gap, has_gap, rank};
 use crate::belief::{self, Sight};
 use crate::causal;
-use crate::chain::Failed;
+use crate::error::Failed;
 use crate::fit::Fitter;
 use crate::score::{explained, mean_square};
 use crate::thresholds::belief::Thresholds;

@@ -198,7 +198,7 @@ mod tests {
     use numerics::random::XorshiftStar64;
 
     use crate::data_set::{DataSet, RecordRows};
-    use crate::library::{Family, Formula, Free, Slot};
+    use crate::formula::{Family, Formula, Free, Slot};
     use crate::noise::Shape;
     use crate::score::Judge;
     use crate::select::synthetic::Synthetic;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::base::compose::LATE;
 use crate::chain::Chain;
 use crate::fit::Fit;
-use crate::library::Family;
+use crate::formula::Family;
 use crate::score::Judged;
 use crate::thresholds::belief::Thresholds;
 

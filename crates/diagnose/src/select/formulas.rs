@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use super::memo::Part;
 use super::{Candidate, Looked, Search};
 use crate::base::Base;
-use crate::chain::{Chain, Failed};
-use crate::library::Family;
+use crate::chain::Chain;
+use crate::error::Failed;
+use crate::formula::Family;
 use crate::thresholds::fit::Thresholds;
 
 impl Search<'_> {

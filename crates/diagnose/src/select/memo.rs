@@ -4,7 +4,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::{Candidate, Looked, Search};
-use crate::chain::Failed;
+use crate::error::Failed;
 use crate::fit::Fit;
 use crate::thresholds::search::Thresholds;
 

@@ -15,7 +15,7 @@ use surround::Block;
 use super::*;
 use crate::base::{BaseParameter, Part};
 use crate::data_set::RecordRows;
-use crate::library::{Free, Slot};
+use crate::formula::{Free, Slot};
 use crate::noise::Shape;
 
 /// Rows of each record, of which 280 are fitted.

@@ -2,7 +2,7 @@ use surround::Block;
 
 use super::synthetic::{Synthetic, adds, close, listed, names};
 use super::*;
-use crate::library::{Free, Slot};
+use crate::formula::{Free, Slot};
 use crate::nuisance::Nuisance;
 
 /// The first formula of a family fitted as the next effect beside those of `from`.

@@ -1,7 +1,7 @@
 //! What is believed, at the limits of each rule.
 
 use super::*;
-use crate::library::{Formula, Free};
+use crate::formula::{Formula, Free};
 use crate::noise::Shape;
 use crate::nuisance::Nuisance;
 use crate::score::Judge;
