@@ -1,6 +1,7 @@
 //! The model as it came, as a chain with places where effects go in.
 
 pub(crate) mod compose;
+pub(crate) mod coupling;
 
 use std::collections::BTreeMap;
 
@@ -9,9 +10,9 @@ use model::{Conversion, Declaration, NodeSpec, Source, Stage, Unit, unit_on_axis
 use surround::Memory;
 
 use self::compose::Composer;
+use self::coupling::{couplings_of, motion_text};
 use crate::black_box::BlackBox;
-use crate::chain::{self, Chain, ComponentNode, Node};
-use crate::coupled::{self, Front, Hint, Joint};
+use crate::chain::{self, Chain, ComponentNode, Front, Joint, Node};
 use crate::error::Error;
 use crate::formula::{Formula, Slot};
 use crate::request::{Deviation, Tolerance};
@@ -59,6 +60,15 @@ pub(crate) enum Part {
     Front(usize),
     /// What a sensor makes of the position that the model gives it: components from this number on.
     Reading(usize),
+}
+
+/// What another reading shows of a coupling of several axes.
+#[derive(Clone, Debug)]
+pub(crate) struct Hint {
+    /// Coordinates of parameters of the model, by name.
+    pub(crate) released: Vec<(String, f64)>,
+    /// Frequency of a further mode in Hz.
+    pub(crate) frequency: Option<f64>,
 }
 
 /// The model as it came.
@@ -169,13 +179,13 @@ impl Base {
                 Some(_) => format!("coupling.{}", spec.name),
             };
             let position_unit = match part {
-                Part::Motion => coupled::motion_text(blueprint, number - 1),
+                Part::Motion => motion_text(blueprint, number - 1),
                 _ => &axis.position_unit,
             };
             let units = (axis.command_unit.as_str(), position_unit);
             let values = in_si(units, spec);
             let joint =
-                joint.map(|k| Joint::new(blueprint, (k, number - 1), &values)).transpose()?;
+                joint.map(|k| coupling::joint(blueprint, (k, number - 1), &values)).transpose()?;
             base.component(units, &path, (spec, &values), messages, tolerances, joint);
         }
         base.place_slots(&stages);
@@ -401,29 +411,6 @@ impl Base {
     pub(crate) fn compose(&self, effects: &[&Formula]) -> Chain {
         Composer::compose(self, effects)
     }
-}
-
-/// The couplings that act on this axis: components of it in a section of their own. Those of several axes stand behind a
-/// motion or a front, which is then what is looked at.
-fn couplings_of(
-    blueprint: &CheckedBlueprint,
-    (number, part): (usize, Part),
-) -> Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)> {
-    let spec = blueprint.spec();
-    let mut all = Vec::new();
-    let couplings = spec.connections.couplings.iter().zip(&blueprint.blueprint().couplings);
-    for (k, (coupling, given)) in couplings.enumerate() {
-        let is_of_several = coupling.axes.len() > 1;
-        if !coupling.axes.contains(&(number - 1))
-            || (is_of_several && (part != Part::Axis || !coupling.node.enabled))
-        {
-            continue;
-        }
-        let place = blueprint.before_coupling(coupling, number - 1);
-        let standing = Standing { place, coupling: Some(k) };
-        all.push((standing, &coupling.node, &given.component));
-    }
-    all
 }
 
 /// Whether a component is noise, which the diagnosis does not simulate.

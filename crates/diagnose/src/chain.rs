@@ -4,6 +4,7 @@
 //! the sensitivities, of which a diagnosis needs thousands, cheap.
 
 mod component_node;
+mod joint;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,8 +14,8 @@ use model::ComponentRef;
 pub(crate) use surround::Force;
 use surround::{Block, ForcedMode, Signals};
 
+pub(crate) use self::joint::{Front, FurtherMode, Joint, OtherWay};
 use crate::black_box::BlackBox;
-use crate::coupled::Joint;
 use crate::data_set::{DataSet, RecordData};
 use crate::error::Failed;
 use crate::parameter::{Link, Parameter};

@@ -5,19 +5,18 @@
 //! is found from all readings at once.
 
 mod group;
-mod joint;
 mod together;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use data::CheckedBlueprint;
-use model::{CouplingSpec, Unit};
+use model::CouplingSpec;
 use surround::Span;
 
 use self::group::Group;
-pub(crate) use self::joint::{Front, FurtherMode, Joint};
-pub(crate) use self::together::{Hint, together};
+pub(crate) use self::together::together;
+use crate::base::coupling::{is_sum, motion_text, motion_unit, refused};
 use crate::base::{Base, Part};
 use crate::chain::{Bench, Horizon};
 use crate::data_set::Auxiliary;
@@ -51,9 +50,9 @@ fn groups(blueprint: &CheckedBlueprint, chosen: &[usize]) -> Result<Vec<Group>, 
         match Group::of(blueprint, axes, &own) {
             Ok(group) => Ok(Some(group)),
             // Not undone: each reading is looked at as the sum of what all axes give.
-            Err(_) if own.iter().all(|c| joint::is_sum(blueprint, c).is_ok()) => Ok(None),
+            Err(_) if own.iter().all(|c| is_sum(blueprint, c).is_ok()) => Ok(None),
             Err(reason) => {
-                let no_sum = own.iter().find_map(|c| joint::is_sum(blueprint, c).err());
+                let no_sum = own.iter().find_map(|c| is_sum(blueprint, c).err());
                 let reason = no_sum.map_or(reason.clone(), |also| format!("{reason}; {also}"));
                 Err(refused(blueprint, &names.join(", "), &reason))
             }
@@ -63,14 +62,6 @@ fn groups(blueprint: &CheckedBlueprint, chosen: &[usize]) -> Result<Vec<Group>, 
         |axes: &Vec<usize>| axes.len() > 1 && axes.iter().any(|axis| chosen.contains(axis));
     let all = blueprint.coupled_axes().into_iter().filter(is_chosen).map(group);
     all.filter_map(Result::transpose).collect()
-}
-
-/// That coupled axes are not looked at one by one.
-pub(crate) fn refused(blueprint: &CheckedBlueprint, coupling: &str, reason: &str) -> Error {
-    Error::Joined {
-        model: blueprint.spec().name.clone(),
-        reason: format!("couples its axes (coupling {coupling}), and {reason}"),
-    }
 }
 
 /// What is said of a monitor in the path of a coupled axis.
@@ -259,16 +250,4 @@ fn needed(o: &Outcome) -> f64 {
     let picks = o.found.last.picks.iter();
     let all = picks.map(|(family, k)| o.library[*family].formulas[*k].freedom(records));
     all.sum::<usize>() as f64 * effective(o).ln()
-}
-
-/// The unit of an axis' motion in front of its couplings.
-pub(crate) fn motion_unit(blueprint: &CheckedBlueprint, axis: usize) -> Unit {
-    Unit::parse(motion_text(blueprint, axis)).unwrap_or(Unit::ONE)
-}
-
-/// The text of that unit.
-pub(crate) fn motion_text(blueprint: &CheckedBlueprint, axis: usize) -> &str {
-    let spec = blueprint.spec();
-    let own = spec.connections.motion_units.get(axis).and_then(Option::as_deref);
-    own.unwrap_or(&spec.axes[axis].position_unit)
 }

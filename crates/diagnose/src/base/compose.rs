@@ -1,8 +1,7 @@
 //! Puts the model and effects together to one chain.
 
 use super::{Base, BaseParameter};
-use crate::chain::{Acting, Chain, Node};
-use crate::coupled::FurtherMode;
+use crate::chain::{Acting, Chain, FurtherMode, Node};
 use crate::formula::{Formula, Slot};
 use crate::parameter::{Link, Parameter};
 use crate::path_block::RecordBlock;

@@ -4,7 +4,7 @@ use data::{CheckedBlueprint, Log};
 use model::{CouplingSpec, NodeSpec, Source, Tick};
 use nalgebra::DMatrix;
 
-use super::motion_unit;
+use crate::base::coupling::motion_unit;
 use crate::base::{in_si, is_noise};
 use crate::error::Error;
 use crate::request::{Noise, Request};

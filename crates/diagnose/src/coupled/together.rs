@@ -9,10 +9,9 @@ use std::sync::atomic::AtomicU64;
 
 use surround::Block;
 
-use super::joint::Front;
 use super::{effective, needed};
-use crate::base::Base;
-use crate::chain::{self, Chain};
+use crate::base::{Base, Hint};
+use crate::chain::{self, Chain, Front};
 use crate::course;
 use crate::error::Error;
 use crate::formula::Formula;
@@ -23,15 +22,6 @@ use crate::score::Judged;
 use crate::select::{Candidate, carried, has_gap};
 use crate::task::Task;
 use crate::thresholds::search::Thresholds;
-
-/// What another reading shows of a coupling of several axes.
-#[derive(Clone, Debug)]
-pub(crate) struct Hint {
-    /// Coordinates of parameters of the model, by name.
-    pub(crate) released: Vec<(String, f64)>,
-    /// Frequency of a further mode in Hz.
-    pub(crate) frequency: Option<f64>,
-}
 
 /// Looks at the readings of coupled axes together; `fresh` are their tasks before any was diagnosed.
 ///

@@ -9,15 +9,11 @@ use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use components::mechanics::MODE;
-use data::CheckedBlueprint;
-use model::{ComponentRef, CouplingSpec, NodeSpec, Way};
+use model::ComponentRef;
 use surround::Span;
 
-use super::refused;
-use crate::base::{Base, Part};
-use crate::chain::{self, Bench, Chain, ComponentNode, Horizon};
+use super::{Bench, Chain, ComponentNode, Horizon};
 use crate::data_set::DataSet;
-use crate::error::Error;
 use crate::error::Failed;
 use crate::parameter::{Link, Parameter};
 use crate::thresholds::base::Thresholds;
@@ -55,12 +51,12 @@ struct Others {
 
 /// The way of another axis.
 #[derive(Clone)]
-struct OtherWay {
-    axis: usize,
+pub(crate) struct OtherWay {
+    pub(crate) axis: usize,
     /// Its number among the other inputs of the data.
-    place: usize,
-    front: Front,
-    way: ComponentNode,
+    pub(crate) place: usize,
+    pub(crate) front: Front,
+    pub(crate) way: ComponentNode,
 }
 
 /// The model of an axis up to the coupling.
@@ -91,68 +87,21 @@ struct Sum {
     is_first: bool,
 }
 
-/// Whether the axes of a coupling can be looked at as sums of ways: it is the only one of each.
-///
-/// # Errors
-/// Why they cannot.
-pub(super) fn is_sum(blueprint: &CheckedBlueprint, coupling: &CouplingSpec) -> Result<(), String> {
-    let couplings = blueprint.spec().connections.couplings.iter();
-    let touches = |c: &&CouplingSpec| {
-        c.node.enabled && c.axes.iter().any(|axis| coupling.axes.contains(axis))
-    };
-    if couplings.filter(touches).count() > 1 {
-        return Err("another coupling acts on the same axes".to_owned());
-    }
-    match way(&coupling.node, 0, 1) {
-        Some(_) => Ok(()),
-        None => Err(format!("{} is no sum of linear ways", coupling.node.name)),
-    }
-}
-
-fn way(node: &NodeSpec, to: usize, from: usize) -> Option<Way> {
-    node.component.way(&node.structure, to, from)
-}
-
 impl Joint {
-    /// How a coupling with these values in SI acts on axis number `axis`, the other axes as the blueprint has them.
-    ///
-    /// # Errors
-    /// [`Error`]: a coupling that is no sum, or an axis that reads other signals than its own.
-    pub(crate) fn new(
-        blueprint: &CheckedBlueprint,
-        (number, axis): (usize, usize),
-        values: &[f64],
-    ) -> Result<Self, Error> {
-        let coupling = &blueprint.spec().connections.couplings[number];
-        let refused = |reason: &str| refused(blueprint, &coupling.node.name, reason);
-        is_sum(blueprint, coupling).map_err(|reason| refused(&reason))?;
-        let place_in = |axis: usize| coupling.axes.iter().position(|own| *own == axis);
-        let no_way = || refused("it has no way from one of its axes to another");
-        let to = place_in(axis).ok_or_else(no_way)?;
-        let node = |from: usize| -> Result<(ComponentNode, Vec<usize>), Error> {
-            let Way { component, structure, takes } =
-                way(&coupling.node, to, from).ok_or_else(no_way)?;
-            let values = takes.iter().map(|k| values[*k]).collect();
-            let component = ComponentRef::Static(component);
-            let (links, reads_command) = (Vec::new(), false);
-            Ok((ComponentNode { component, structure, values, links, reads_command }, takes))
+    /// The coupling of this number by the way of the own path and those of the other axes, each with the numbers of the
+    /// coupling's values that it takes.
+    pub(crate) fn of(
+        coupling: usize,
+        (own, takes): (ComponentNode, Vec<usize>),
+        others: Vec<(OtherWay, Vec<usize>)>,
+    ) -> Self {
+        let is_shared = |k: usize| {
+            others.iter().all(|(_, of_other)| of_other.get(k).is_none_or(|own| *own == takes[k]))
         };
-        let (own, takes) = node(to)?;
-        let mut is_shared = vec![true; takes.len()];
-        let mut ways = Vec::new();
-        for (from, other) in coupling.axes.iter().enumerate().filter(|(from, _)| *from != to) {
-            let (way, of_other) = node(from)?;
-            for (shared, (a, b)) in is_shared.iter_mut().zip(takes.iter().zip(&of_other)) {
-                *shared &= a == b;
-            }
-            let front = Base::white(blueprint, (other + 1, Part::Front(number)), &[], 1.0)?;
-            let chain = front.compose(&[]);
-            let theta = vec![0.0; chain.parameters.len()];
-            let place = if *other < axis { *other } else { *other - 1 };
-            ways.push(OtherWay { axis: *other, place, front: Front { chain, theta }, way });
-        }
+        let is_shared = (0..takes.len()).map(is_shared).collect();
+        let ways = others.into_iter().map(|(way, _)| way).collect();
         let others = Arc::new(Others { ways, is_shared, kept: Mutex::default() });
-        Ok(Self { own, takes, coupling: number, others, mode: None })
+        Self { own, takes, coupling, others, mode: None }
     }
 
     /// The same with other fronts of some of the other axes.
@@ -331,9 +280,13 @@ impl Others {
 }
 
 impl Front {
+    pub(crate) fn new(chain: Chain, theta: Vec<f64>) -> Self {
+        Self { chain, theta }
+    }
+
     /// The front of an axis whose chain, at these values, is this: what stands before its coupling.
     pub(crate) fn of(chain: &Chain, theta: &[f64]) -> Option<Self> {
-        let (end, _) = chain::joint(&chain.nodes)?;
+        let (end, _) = super::joint(&chain.nodes)?;
         let nodes = chain.nodes[..end].to_vec();
         Some(Self { chain: Chain { nodes, ..chain.clone() }, theta: theta.to_vec() })
     }
