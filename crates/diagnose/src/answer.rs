@@ -9,7 +9,8 @@ use std::sync::atomic::AtomicU64;
 
 use self::leftover::leftover;
 use self::sensor::{noisier, stepped};
-use crate::belief::{self, Sight};
+use crate::belief;
+use crate::candidate::{Candidate, Looked, Why};
 use crate::chain::Chain;
 use crate::experiment;
 use crate::gap::{
@@ -23,7 +24,6 @@ use crate::parameter::Parameter;
 use crate::place::Maps;
 use crate::request::{Model, Request};
 use crate::score::{Judged, explained};
-use crate::select::{Candidate, Looked, Why};
 use crate::shrink::Evidence;
 use crate::steps;
 use crate::thresholds::answer::Thresholds;
@@ -269,7 +269,7 @@ fn effect_of(
 ) -> NamedEffect {
     let family = candidate.picks[slot].0;
     let effect = o.library[family].effect;
-    let sight = Sight::of(o);
+    let sight = o.sight();
     // Rivals were looked at beside effects that may have been dropped since, its own formula before it was chosen.
     let mut rivals = rivals.to_vec();
     for own in rivals.iter_mut().filter(|l| l.family == family) {
@@ -378,7 +378,7 @@ fn tried(o: &Outcome) -> Vec<Tried> {
     let base = &o.found.base;
     let first = o.found.first.iter().find_map(|l| l.best.as_ref());
     let beliefs =
-        first.map(|own| belief::beliefs(&Sight::of(o), &o.found.first, own)).unwrap_or_default();
+        first.map(|own| belief::beliefs(&o.sight(), &o.found.first, own)).unwrap_or_default();
     let finite = |v: f64| v.is_finite().then_some(v);
     o.found
         .first

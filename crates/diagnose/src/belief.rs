@@ -1,8 +1,7 @@
 //! How sure a name is: probabilities of rivals, and of none of them.
 
+use crate::candidate::{Candidate, Looked};
 use crate::formula::Family;
-use crate::outcome::Outcome;
-use crate::select::{Candidate, Looked};
 use crate::thresholds::belief::Thresholds;
 
 /// One name for a slot.
@@ -38,12 +37,6 @@ impl<'a> Sight<'a> {
     /// How far a mean square is above the noise, and what the noise and the user let nobody see.
     fn over(&self, left: f64) -> f64 {
         (left - 1.0).max(0.0) + Thresholds::UNSEEN + self.fine
-    }
-
-    pub(crate) fn of(outcome: &'a Outcome) -> Self {
-        let base = &outcome.found.base;
-        let sight = Self::new(&outcome.library, base, outcome.adequate, outcome.fine);
-        Self { caused: outcome.caused, ..sight }
     }
 }
 

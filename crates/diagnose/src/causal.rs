@@ -20,8 +20,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use surround::Span;
 
+use crate::candidate::Candidate;
 use crate::data_set::DataSet;
-use crate::select::Candidate;
 use crate::thresholds::belief::Thresholds;
 
 /// The caused part of what the effects of a candidate leave; 0 where it has none.

@@ -18,6 +18,7 @@ use self::group::Group;
 pub(crate) use self::together::together;
 use crate::base::coupling::{is_sum, motion_text, motion_unit, refused};
 use crate::base::{Base, Part};
+use crate::candidate::has_gap;
 use crate::chain::{Bench, Horizon};
 use crate::data_set::Auxiliary;
 use crate::error::Error;
@@ -25,7 +26,6 @@ use crate::fit::Fitter;
 use crate::outcome::{self, Outcome};
 use crate::request::Request;
 use crate::score::mean_square;
-use crate::select::has_gap;
 use crate::tap;
 use crate::task::{Port, Task, assemble};
 

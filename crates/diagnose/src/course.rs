@@ -11,13 +11,13 @@ use rayon::prelude::*;
 
 use self::within::Within;
 use crate::between::{Between, Course};
+use crate::candidate::{Candidate, has_gap};
 use crate::data_set::DataSet;
 use crate::error::Error;
 use crate::fit::Fitter;
 use crate::gap::Verdict;
 use crate::outcome::{self, Outcome};
 use crate::request::Request;
-use crate::select::{Candidate, has_gap};
 use crate::sentence::together;
 use crate::task::Task;
 use crate::thresholds::base::Thresholds;

@@ -9,11 +9,11 @@ use surround::Span;
 
 use crate::base::Part;
 use crate::belief;
+use crate::candidate::Candidate;
 use crate::data_set::{DataSet, RecordRows};
 use crate::fit::{Fitter, Linear};
 use crate::gap::NextExperiment;
 use crate::outcome::Outcome;
-use crate::select::Candidate;
 use crate::thresholds::answer::Thresholds;
 
 /// One signal of the menu.
@@ -32,7 +32,7 @@ pub(crate) fn next(o: &Outcome) -> Option<NextExperiment> {
     let last = &o.found.last;
     for slot in 0..last.picks.len() {
         let looked = o.found.rivals.get(slot)?;
-        let beliefs = belief::beliefs(&belief::Sight::of(o), looked, last);
+        let beliefs = belief::beliefs(&o.sight(), looked, last);
         let of = |family: usize| {
             let best = looked.iter().find(|l| l.family == family)?.best.as_ref()?;
             Some((family, best))

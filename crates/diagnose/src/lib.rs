@@ -12,6 +12,7 @@ mod base;
 mod belief;
 mod between;
 mod black_box;
+mod candidate;
 mod causal;
 mod chain;
 mod converter;

@@ -18,12 +18,12 @@ use nalgebra::{DMatrix, DVector};
 use numerics::random::SplitMix64;
 
 use crate::belief;
+use crate::candidate::Candidate;
 use crate::chain::Chain;
 use crate::data_set::DataSet;
 use crate::fit::Fitter;
 use crate::normal::{dot, products};
 use crate::outcome::Outcome;
-use crate::select::Candidate;
 use crate::thresholds::answer::Thresholds;
 
 /// Mean products over the rows of one new record.
@@ -76,7 +76,7 @@ fn rivals(o: &Outcome) -> Vec<(f64, &Candidate)> {
     let last = &o.found.last;
     let mut all = Vec::new();
     for (slot, looked) in o.found.rivals.iter().enumerate().take(last.picks.len()) {
-        let beliefs = belief::beliefs(&belief::Sight::of(o), looked, last);
+        let beliefs = belief::beliefs(&o.sight(), looked, last);
         let set = belief::set(&beliefs);
         let others =
             beliefs.iter().filter(|b| set.contains(&b.family) && b.family != last.picks[slot].0);

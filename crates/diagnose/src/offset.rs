@@ -5,11 +5,11 @@
 
 use std::sync::atomic::AtomicU64;
 
+use crate::candidate::Candidate;
 use crate::chain::{Bench, Chain, Horizon};
 use crate::data_set::DataSet;
 use crate::nuisance::Projector;
 use crate::score::mean_square;
-use crate::select::Candidate;
 use crate::task::Task;
 use crate::thresholds::repair::Thresholds;
 

@@ -25,7 +25,9 @@ use self::again::drifts_alike;
 pub(crate) use self::again::with_known_reading;
 use self::noise_level::{quieter, settle_noise};
 
+use crate::belief::Sight;
 use crate::between::Course;
+use crate::candidate::{Candidate, Found, has_gap};
 use crate::data_set::DataSet;
 use crate::error::Error;
 use crate::fit::Fitter;
@@ -37,7 +39,7 @@ use crate::offset::Offset;
 use crate::own_course;
 use crate::request::Request;
 use crate::score::{Judge, Judged};
-use crate::select::{Candidate, Found, Memo, Search, has_gap};
+use crate::select::{Memo, Search};
 use crate::sentence::together;
 use crate::setting::{setting, simulated_span};
 use crate::steps::Steps;
@@ -156,6 +158,12 @@ impl Outcome {
     /// The answer as a model can predict it.
     pub(crate) fn with_effects(&self) -> &Judged {
         self.predicted.as_ref().unwrap_or(&self.found.last.judged)
+    }
+
+    /// What beliefs in what was found are formed from.
+    pub(crate) fn sight(&self) -> Sight<'_> {
+        let sight = Sight::new(&self.library, &self.found.base, self.adequate, self.fine);
+        Sight { caused: self.caused, ..sight }
     }
 
     /// Mean square in SI that [`Self::best`] leaves, on fitted and held-out rows alike.

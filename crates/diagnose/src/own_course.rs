@@ -20,10 +20,10 @@ use std::sync::atomic::AtomicU64;
 use components::hysteresis::play::play;
 use nalgebra::{DMatrix, DVector};
 
+use crate::candidate::Candidate;
 use crate::chain::Chain;
 use crate::data_set::{DataSet, RecordData};
 use crate::score::{Judge, Judged};
-use crate::select::Candidate;
 use crate::thresholds::base::Thresholds;
 
 /// The slow part of a residual and the functions of the command, by blocks, without their means.

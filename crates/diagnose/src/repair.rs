@@ -16,12 +16,12 @@ pub(crate) use self::handed::judged_as_written;
 pub(crate) use self::joint::write as write_joint;
 use self::plays::Plays;
 use crate::base::{Base, Part};
+use crate::candidate::Candidate;
 use crate::chain::Chain;
 use crate::formula::{Formula, Piece, Slot};
 use crate::left_out::{part_stays_out, stays_out};
 use crate::outcome::Outcome;
 use crate::score::Judged;
-use crate::select::Candidate;
 use crate::stand_in::stand_in;
 use crate::thresholds::repair::Thresholds;
 

@@ -4,10 +4,10 @@
 //! that have none. Here blocks of 50 ms count the less the more is left in them: Cauchy's weights
 //! `1/(1 + m/c²)` of a block's mean square m, in rounds.
 
+use crate::candidate::Candidate;
 use crate::data_set::DataSet;
 use crate::fit::Fitter;
 use crate::score::{Judge, mean_square};
-use crate::select::Candidate;
 use crate::thresholds::fit::Thresholds;
 
 /// Residual of each row in standard deviations; none where a fit fails.

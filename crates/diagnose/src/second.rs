@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
+use crate::candidate::Candidate;
 use crate::chain::Chain;
 use crate::data_set::DataSet;
 use crate::fit::Fitter;
 use crate::gap::{HeldOut, SecondOpinion};
 use crate::score::{Judge, mean_square};
-use crate::select::Candidate;
 use crate::shrink::fraction;
 use crate::thresholds::answer::Thresholds;
 

@@ -2,7 +2,6 @@
 
 mod accept;
 mod away;
-mod candidate;
 mod formulas;
 mod memo;
 mod naming;
@@ -13,11 +12,10 @@ use std::sync::atomic::AtomicU64;
 use components::effects;
 use rayon::prelude::*;
 
-pub(crate) use self::candidate::Candidate;
-pub(crate) use self::formulas::carried;
 pub(crate) use self::memo::Memo;
 use self::memo::Part;
 use crate::base::Base;
+use crate::candidate::{Candidate, Looked, Why, carried};
 use crate::chain::Chain;
 use crate::data_set::DataSet;
 use crate::error::Failed;
@@ -26,80 +24,7 @@ use crate::formula::{Family, Formula, Slot};
 use crate::library::gain;
 use crate::score::{Judge, Judged};
 use crate::spectrum;
-use crate::thresholds::belief;
 use crate::thresholds::search::Thresholds;
-
-/// A family that was looked at in a round.
-#[derive(Clone)]
-pub(crate) struct Looked {
-    pub(crate) family: usize,
-    pub(crate) screening: f64,
-    /// The best formula, where it was fitted.
-    pub(crate) best: Option<Candidate>,
-    /// Why there is none.
-    pub(crate) why: Option<Why>,
-}
-
-/// Why a family that was screened has no formula in the comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Why {
-    /// Others promised more.
-    Screened,
-    /// None of its formulas could be simulated.
-    Failed,
-    /// What it becomes without the effect, or another gain of the output, explains as much.
-    AsNull,
-    /// Its fit ends at a bound.
-    AtBound,
-}
-
-impl Why {
-    /// In words.
-    pub(crate) fn text(self) -> &'static str {
-        match self {
-            Self::Screened => "not fitted: others promised more",
-            Self::Failed => "its formulas could not be simulated beside the model",
-            Self::AsNull => "explains no more than without the effect or than another gain",
-            Self::AtBound => "not named: its fit ends at a bound of what the effect can be",
-        }
-    }
-}
-
-/// What the search found.
-pub(crate) struct Found {
-    /// The re-tuned model.
-    pub(crate) base: Candidate,
-    /// The model with the effects that are named; the re-tuned model where none is.
-    pub(crate) last: Candidate,
-    /// For each effect of `last`, all families in its place, best first (the effect itself among them).
-    pub(crate) rivals: Vec<Vec<Looked>>,
-    /// The families of the first round, best first.
-    pub(crate) first: Vec<Looked>,
-    /// For each effect of `last`, the part of the held-out gap that comes back without it.
-    pub(crate) alone: Vec<f64>,
-    /// The effects of `last` with the best further one, which is not named.
-    pub(crate) beyond: Option<Candidate>,
-    /// Several effects that explain a faint gap together, which are not named.
-    pub(crate) faint: Vec<(usize, usize)>,
-}
-
-impl Found {
-    /// Where nothing is looked for.
-    pub(crate) fn nothing(base: Candidate) -> Self {
-        let last = base.clone();
-        let (rivals, first, alone, faint) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { base, last, rivals, first, alone, beyond: None, faint }
-    }
-
-    /// Changes all candidates that were fitted.
-    pub(crate) fn each(&mut self, mut change: impl FnMut(&mut Candidate)) {
-        change(&mut self.base);
-        change(&mut self.last);
-        let looked = self.rivals.iter_mut().flatten().chain(&mut self.first);
-        let fitted = looked.filter_map(|l| l.best.as_mut());
-        fitted.chain(&mut self.beyond).for_each(change);
-    }
-}
 
 /// The search for one output.
 pub(crate) struct Search<'a> {
@@ -455,22 +380,6 @@ impl<'a> Search<'a> {
 /// Cost of so many rows, of which this is the mean logarithm of what is left, with the penalties of parameters and order.
 fn rank((rows, data): (f64, f64), prior: f64, freedom: usize) -> f64 {
     rows * data + prior + freedom as f64 * rows.ln()
-}
-
-/// Whether something is left to explain. Without an effect one record is enough to show it, as far as slow noise does not
-/// differ from record to record: the effect may not come again in the others, as a drift, or not be driven there.
-pub(crate) fn has_gap(candidate: &Candidate, adequate: f64) -> bool {
-    let Judged { held_out, training, records, .. } = &candidate.judged;
-    let of_record = 1.0 + Thresholds::RECORD_ALONE * (adequate - 1.0);
-    let is_shown_by_one = candidate.picks.is_empty() && records.iter().any(|r| *r > of_record);
-    held_out.max(*training) > adequate || is_shown_by_one
-}
-
-/// Whether there are several effects in a gap that is so small over the noise that a second one cannot be told from what
-/// the formula of a first one leaves.
-pub(crate) fn are_several_in_faint_gap(base: &Candidate, with: &Candidate) -> bool {
-    let gap = base.judged.held_out.max(base.judged.training);
-    with.picks.len() > 1 && gap < belief::Thresholds::FAINT
 }
 
 /// Fitted families by rank, then the others by what they promised.

@@ -5,12 +5,12 @@ use std::sync::atomic::AtomicU64;
 use components::linear::Transition;
 use surround::Span;
 
+use crate::candidate::Candidate;
 use crate::chain::{Bench, Horizon};
 use crate::converter::Converted;
 use crate::data_set::DataSet;
 use crate::library::Setting;
 use crate::score::mean_square;
-use crate::select::Candidate;
 use crate::task::Task;
 use crate::thresholds::search::Thresholds;
 use crate::{jitter, spectrum};

@@ -2,11 +2,12 @@
 
 use std::sync::atomic::AtomicU64;
 
+use crate::candidate::Candidate;
 use crate::formula::Formula;
 use crate::left_out::stays_out;
 use crate::outcome::Outcome;
 use crate::score::explained;
-use crate::select::{Candidate, Memo, Search};
+use crate::select::{Memo, Search};
 use crate::thresholds::repair::Thresholds;
 
 /// The effects of an outcome with formulas that `is_written` takes, where a family has one that takes

@@ -10,10 +10,10 @@ use std::sync::atomic::AtomicU64;
 use numerics::median;
 
 use crate::between::Between;
+use crate::candidate::Candidate;
 use crate::chain::{Bench, Horizon};
 use crate::data_set::{DataSet, RecordRows};
 use crate::outcome::Outcome;
-use crate::select::Candidate;
 use crate::task::Task;
 use crate::thresholds::base::Thresholds;
 

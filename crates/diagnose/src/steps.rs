@@ -4,10 +4,10 @@
 //! reading stands still while the machine rests, and jumps by whole steps. What is rounded is off by q/√12 then, whatever the
 //! model: no fit shows the steps better than the values do.
 
+use crate::candidate::Candidate;
 use crate::data_set::DataSet;
 use crate::outcome::Outcome;
 use crate::score::Judged;
-use crate::select::Candidate;
 use crate::thresholds::noise::Thresholds;
 
 /// The steps of a reading, SI.

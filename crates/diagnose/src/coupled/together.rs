@@ -11,6 +11,7 @@ use surround::Block;
 
 use super::{effective, needed};
 use crate::base::{Base, Hint};
+use crate::candidate::{Candidate, carried, has_gap};
 use crate::chain::{self, Chain, Front};
 use crate::course;
 use crate::error::Error;
@@ -19,7 +20,6 @@ use crate::gap::Verdict;
 use crate::outcome::{Original, Outcome};
 use crate::request::Request;
 use crate::score::Judged;
-use crate::select::{Candidate, carried, has_gap};
 use crate::task::Task;
 use crate::thresholds::search::Thresholds;
 

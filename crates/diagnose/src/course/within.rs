@@ -7,6 +7,7 @@
 use super::{Readings, leaves_less, mode_near_nyquist, names};
 use crate::base::Base;
 use crate::between::{Between, Course};
+use crate::candidate::{Candidate, has_gap};
 use crate::chain::{Chain, Node};
 use crate::data_set::DataSet;
 use crate::fit::{Fit, Fitter};
@@ -14,7 +15,6 @@ use crate::gap::Verdict;
 use crate::outcome::{self, Outcome};
 use crate::parameter::Parameter;
 use crate::path_block::RecordBlock;
-use crate::select::{Candidate, has_gap};
 use crate::sentence::together;
 use crate::task::Task;
 use crate::thresholds::base::Thresholds;

@@ -3,11 +3,12 @@
 use std::sync::atomic::AtomicU64;
 
 use super::{Base, Outcome, Run, Scale};
+use crate::candidate::are_several_in_faint_gap;
 use crate::error::Error;
 use crate::formula::Formula;
 use crate::nuisance::Nuisance;
 use crate::request::Request;
-use crate::select::{Memo, are_several_in_faint_gap};
+use crate::select::Memo;
 use crate::setting::simulated_span;
 use crate::thresholds::base::Thresholds as BaseThresholds;
 

@@ -1,8 +1,8 @@
 //! The size of the noise, where it is not known, and how far it is known.
 
+use crate::candidate::Found;
 use crate::data_set::DataSet;
 use crate::noise::{self, Shape};
-use crate::select::Found;
 use crate::task::Task;
 use crate::thresholds::noise::Thresholds;
 

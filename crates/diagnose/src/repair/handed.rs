@@ -13,6 +13,7 @@ use model::Component;
 use super::retune;
 use crate::base::compose::LATE;
 use crate::base::{Base, Part};
+use crate::candidate::Candidate;
 use crate::chain::Chain;
 use crate::fit::Fitter;
 use crate::formula::{Formula, Slot};
@@ -20,7 +21,6 @@ use crate::offset;
 use crate::outcome::Outcome;
 use crate::request::{Deviation, Tolerance};
 use crate::score::Judged;
-use crate::select::Candidate;
 use crate::thresholds::repair::Thresholds;
 
 /// The quantity of a component that shifts its positions.

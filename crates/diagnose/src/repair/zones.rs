@@ -4,9 +4,9 @@ use data::ComponentBlueprint;
 use model::Extension;
 
 use super::{Plays, extended, gain_in_front, number, take_place};
+use crate::candidate::Candidate;
 use crate::formula::{Piece, Slot};
 use crate::outcome::Outcome;
-use crate::select::Candidate;
 use crate::thresholds::repair::Thresholds;
 
 /// The actuator with the map of a block behind it; none where the block is no static map there.

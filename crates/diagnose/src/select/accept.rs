@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::{Candidate, Found, Looked, Search, are_several_in_faint_gap, has_gap, rank};
+use super::{Search, rank};
 use crate::belief::{self, Sight};
+use crate::candidate::{Candidate, Found, Looked, are_several_in_faint_gap, has_gap};
 use crate::causal;
 use crate::error::Failed;
 use crate::fit::Fitter;

@@ -3,8 +3,9 @@
 use components::effects;
 use rayon::prelude::*;
 
+use super::Search;
 use super::memo::Part;
-use super::{Candidate, Search, has_gap};
+use crate::candidate::{Candidate, has_gap};
 use crate::chain::Chain;
 use crate::score::explained;
 use crate::thresholds::{base, belief, search};

@@ -2,12 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::Search;
 use super::memo::Part;
-use super::{Candidate, Looked, Search};
-use crate::base::Base;
-use crate::chain::Chain;
+use crate::candidate::{Candidate, Looked};
 use crate::error::Failed;
-use crate::formula::Family;
 use crate::thresholds::fit::Thresholds;
 
 impl Search<'_> {
@@ -76,27 +74,4 @@ impl Search<'_> {
         let fit = self.fitter().fit(&quick.chain, &quick.fit.theta)?;
         self.candidate(quick.picks, quick.chain, fit)
     }
-}
-
-/// The chain of a model with a set of effects of which all are in `from`, with its values.
-pub(crate) fn carried(
-    (base, library): (&Base, &[Family]),
-    from: &Candidate,
-    picks: &[(usize, usize)],
-) -> Option<(Chain, Vec<f64>)> {
-    let formula = |(family, number): &(usize, usize)| &library[*family].formulas[*number];
-    let chain = base.compose(&picks.iter().map(formula).collect::<Vec<_>>());
-    let values = |pick: &(usize, usize)| {
-        let slot = from.picks.iter().position(|p| p == pick)?;
-        from.fit.theta.get(from.own(library, slot))
-    };
-    let of_base = chain.parameters.iter().take_while(|p| p.is_base).map(|p| {
-        let same = from.chain.parameters.iter().position(|o| o.is_base && o.name == p.name);
-        same.map_or(0.0, |k| from.fit.theta[k])
-    });
-    let mut theta: Vec<f64> = of_base.collect();
-    for pick in picks {
-        theta.extend(values(pick)?);
-    }
-    Some((chain, theta))
 }

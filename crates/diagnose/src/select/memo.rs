@@ -3,7 +3,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::{Candidate, Looked, Search};
+use super::Search;
+use crate::candidate::{Candidate, Looked};
 use crate::error::Failed;
 use crate::fit::Fit;
 use crate::thresholds::search::Thresholds;

@@ -1,7 +1,8 @@
 //! Which of the rivals of each effect is named.
 
-use super::{Candidate, Found, Looked, Search};
+use super::Search;
 use crate::belief::{self, Sight};
+use crate::candidate::{Candidate, Found, Looked};
 
 impl Search<'_> {
     /// Each effect gives way to the most probable of its rivals beside the others: of those that leave alike the one

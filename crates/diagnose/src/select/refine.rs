@@ -1,6 +1,7 @@
 //! Fits to the end.
 
-use super::{Candidate, Looked, Search};
+use super::Search;
+use crate::candidate::{Candidate, Looked};
 use crate::fit::Linear;
 use crate::thresholds::search::Thresholds;
 

@@ -2,6 +2,7 @@ use surround::Block;
 
 use super::synthetic::{Synthetic, adds, close, listed, names};
 use super::*;
+use crate::candidate::{Found, has_gap};
 use crate::formula::{Free, Slot};
 use crate::nuisance::Nuisance;
 
@@ -319,20 +320,20 @@ fn an_effect_is_written_with_another_of_its_formulas() {
 fn a_gap_is_what_is_over_the_limit_on_fitted_or_held_out_rows() {
     let synthetic = Synthetic::new(&[], &[]);
     let mut candidate = synthetic.retuned();
-    let mut has_gap = |held_out, training| {
+    let mut is_over = |held_out, training| {
         (candidate.judged.held_out, candidate.judged.training) = (held_out, training);
-        super::has_gap(&candidate, 1.3)
+        has_gap(&candidate, 1.3)
     };
-    assert!(has_gap(1.31, 1.0) && has_gap(1.0, 1.31) && has_gap(9.0, 9.0));
-    assert!(!has_gap(1.29, 1.29) && !has_gap(1.3, 1.3) && !has_gap(0.9, 0.8));
+    assert!(is_over(1.31, 1.0) && is_over(1.0, 1.31) && is_over(9.0, 9.0));
+    assert!(!is_over(1.29, 1.29) && !is_over(1.3, 1.3) && !is_over(0.9, 0.8));
     // One record shows it where slow noise cannot: three times as far above the noise. Beside an effect it does not count.
     candidate.judged.records = vec![1.0, 1.91];
-    assert!(super::has_gap(&candidate, 1.3));
+    assert!(has_gap(&candidate, 1.3));
     candidate.judged.records = vec![1.0, 1.89];
-    assert!(!super::has_gap(&candidate, 1.3));
+    assert!(!has_gap(&candidate, 1.3));
     candidate.judged.records = vec![1.0, 9.0];
     candidate.picks = vec![(0, 0)];
-    assert!(!super::has_gap(&candidate, 1.3));
+    assert!(!has_gap(&candidate, 1.3));
 }
 
 #[test]
