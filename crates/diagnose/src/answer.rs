@@ -25,7 +25,6 @@ use crate::place::Maps;
 use crate::request::{Model, Request};
 use crate::score::{Judged, explained};
 use crate::shrink::Evidence;
-use crate::steps;
 use crate::thresholds::answer::Thresholds;
 
 /// Puts the answer together.
@@ -162,7 +161,7 @@ fn output(o: &Outcome, seed: u64) -> OutputGap {
 
 fn shrink(o: &Outcome, after: &Judged, seed: u64) -> Shrink {
     let range = 2.0 * o.task.data.output_span.half / o.task.factor;
-    let stages = steps::against_noise(o, [o.as_given(), o.before(), after]);
+    let stages = o.against_noise([o.as_given(), o.before(), after]);
     let sigma = o.task.steps.map_or(o.sigma, |steps| steps.beside);
     let [given, before, after] = match &stages {
         Some([given, before, after]) => [given, before, after],

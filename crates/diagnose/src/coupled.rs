@@ -4,7 +4,6 @@
 //! that the readings are `y = F(A·m + b)`. Then `A⁻¹·(y − F(b)) = F(m)`: each axis shows alone, and an effect in it
 //! is found from all readings at once.
 
-mod group;
 mod together;
 
 use std::sync::Arc;
@@ -14,8 +13,8 @@ use data::CheckedBlueprint;
 use model::CouplingSpec;
 use surround::Span;
 
-use self::group::Group;
 pub(crate) use self::together::together;
+use crate::axis_group::Group;
 use crate::base::coupling::{is_sum, motion_text, motion_unit, refused};
 use crate::base::{Base, Part};
 use crate::candidate::has_gap;
@@ -23,18 +22,13 @@ use crate::chain::{Bench, Horizon};
 use crate::data_set::Auxiliary;
 use crate::error::Error;
 use crate::fit::Fitter;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
+use crate::port::Port;
 use crate::request::Request;
 use crate::score::mean_square;
+use crate::stages;
 use crate::tap;
-use crate::task::{Port, Task, assemble};
-
-/// A group of axes, all of which are looked at.
-pub(crate) struct Coupled {
-    group: Group,
-    /// The reading of each axis as a function of its position, which is put in place of the command.
-    readings: Vec<Task>,
-}
+use crate::task::{Coupled, Task, assemble};
 
 /// The groups of axes that couplings join, in which one is chosen.
 ///
@@ -132,7 +126,7 @@ pub(crate) fn tasks(
 /// parameters as they need.
 ///
 /// # Errors
-/// As [`outcome::of`].
+/// As [`stages::of`].
 pub(crate) fn in_readings(
     outcomes: &mut Vec<Outcome>,
     request: &Request,
@@ -207,7 +201,7 @@ impl Coupled {
             task.input = format!("{} of the model", task.output);
             task.command_unit.clone_from(&task.unit);
             task.command_factor = task.factor;
-            all.push(outcome::of(task, request, count)?);
+            all.push(stages::of(task, request, count)?);
         }
         Ok(all)
     }

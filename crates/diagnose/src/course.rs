@@ -16,9 +16,10 @@ use crate::data_set::DataSet;
 use crate::error::Error;
 use crate::fit::Fitter;
 use crate::gap::Verdict;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
 use crate::request::Request;
 use crate::sentence::together;
+use crate::stages;
 use crate::task::Task;
 use crate::thresholds::base::Thresholds;
 
@@ -28,14 +29,14 @@ use crate::thresholds::base::Thresholds;
 /// and the one is taken that leaves less with fewer effects. Other effects look like that, too (a lag of the model that
 /// acts faster, a crosstalk): another reading is taken if it leaves about as much with fewer effects.
 pub(crate) fn settled(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
-    outcome::with_known_reading(read(task, request, count)?, request, count)
+    stages::with_known_reading(read(task, request, count)?, request, count)
 }
 
 fn read(task: Task, request: &Request, count: &AtomicU64) -> Result<Outcome, Error> {
     let requested = (request.between, request.reading);
     let open = Course::open(task.course, requested, task.data.has_steps());
     let readings = Readings { fresh: task.clone(), request, count };
-    let outcome = outcome::of(task, request, count)?;
+    let outcome = stages::of(task, request, count)?;
     let Some(instant) = readings.instant(&outcome) else {
         // An FMU takes its time: other readings are tried where the usual one does not explain the logs.
         let is_left = has_gap(&outcome.found.last, outcome.adequate);
@@ -148,7 +149,7 @@ impl Readings<'_> {
     /// As `answer`, of at most so many effects.
     fn answer_of(&self, course: Course, data: &DataSet, max_effects: usize) -> Option<Outcome> {
         let task = Task { course, data: data.played(course), max_effects, ..self.fresh.clone() };
-        outcome::of(task, self.request, self.count).ok()
+        stages::of(task, self.request, self.count).ok()
     }
 
     /// The answer, or a better one among these readings, each with the most effects that are looked for; the search ends with

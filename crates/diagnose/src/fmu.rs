@@ -14,8 +14,9 @@ use crate::chain::{ComponentNode, Node};
 use crate::data_set::RecordData;
 use crate::error::Error;
 use crate::formula::Slot;
+use crate::port::{Port, check_names, choose};
 use crate::request::Request;
-use crate::task::{Port, Task, assemble, check_names, check_rows, choose};
+use crate::task::{Task, assemble, check_rows};
 use crate::thresholds::base::Thresholds;
 
 /// Opens an FMU, to run in this process or in others.

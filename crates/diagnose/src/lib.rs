@@ -8,6 +8,7 @@
 //! [`diagnose`] gives the answer as [`Gap`], the content of `gap.json`.
 
 mod answer;
+mod axis_group;
 mod base;
 mod belief;
 mod between;
@@ -42,6 +43,7 @@ mod page;
 mod parameter;
 mod path_block;
 mod place;
+mod port;
 mod repair;
 mod repaired_fmu;
 mod request;
@@ -53,11 +55,13 @@ mod sentence;
 mod setting;
 mod shrink;
 mod spectrum;
+mod stages;
 mod stand_in;
 mod start;
 mod steps;
 mod tap;
 mod task;
+mod tasks;
 mod thresholds;
 
 use std::borrow::Cow;
@@ -226,7 +230,8 @@ pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnos
     let count = AtomicU64::new(0);
     let mut outcomes = outcomes(request, observer, (&pool, &count))?;
     let open = outcomes.iter().filter(|_| request.drop.is_none());
-    let motion = open.filter_map(start::in_motion).max_by(|a, b| a.1.total_cmp(&b.1));
+    let motion = open.filter_map(|o| start::in_motion(&o.task, &o.found.last.judged));
+    let motion = motion.max_by(|a, b| a.1.total_cmp(&b.1));
     let mut request = Cow::Borrowed(request);
     if let Some((record, drop)) = motion {
         request.to_mut().drop = Some(drop);
@@ -248,7 +253,7 @@ fn outcomes(
     observer: &mut dyn Observer,
     (pool, count): (&rayon::ThreadPool, &AtomicU64),
 ) -> Result<Vec<outcome::Outcome>, Error> {
-    let tasks = task::tasks(request)?;
+    let tasks = tasks::of(request)?;
     let total = tasks.len();
     let (mut outcomes, mut fresh) = (Vec::with_capacity(total), Vec::with_capacity(total));
     for (number, task) in tasks.into_iter().enumerate() {

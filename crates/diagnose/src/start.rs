@@ -13,18 +13,18 @@ use crate::between::Between;
 use crate::candidate::Candidate;
 use crate::chain::{Bench, Horizon};
 use crate::data_set::{DataSet, RecordRows};
-use crate::outcome::Outcome;
+use crate::score::Judged;
 use crate::task::Task;
 use crate::thresholds::base::Thresholds;
 
 /// A record that begins during a motion, which no model follows that starts at rest, and the time in s until what
 /// that leaves has decayed: the record whose run-in is longest.
-pub(crate) fn in_motion(outcome: &Outcome) -> Option<(String, f64)> {
+pub(crate) fn in_motion(task: &Task, left: &Judged) -> Option<(String, f64)> {
     // Without a mode nothing swings on by itself: what stands out then is a first stroke from rest.
-    outcome.task.base.mode?;
-    let data = &outcome.task.data;
+    task.base.mode?;
+    let data = &task.data;
     let all = data.records.iter().filter_map(|record| {
-        let blocks = run_in(&outcome.found.last.judged.residual[record.rows.clone()])?;
+        let blocks = run_in(&left.residual[record.rows.clone()])?;
         let time = &data.time[record.rows.clone()];
         Some((record.name.clone(), time[blocks] - time[0]))
     });

@@ -4,9 +4,7 @@
 //! reading stands still while the machine rests, and jumps by whole steps. What is rounded is off by q/√12 then, whatever the
 //! model: no fit shows the steps better than the values do.
 
-use crate::candidate::Candidate;
 use crate::data_set::DataSet;
-use crate::outcome::Outcome;
 use crate::score::Judged;
 use crate::thresholds::noise::Thresholds;
 
@@ -57,9 +55,9 @@ impl Steps {
         self.rounding().hypot(self.beside)
     }
 
-    /// Part of what a candidate leaves (in this standard deviation) that rounding is, at most 1.
-    pub(crate) fn share(&self, last: &Candidate, sigma: f64) -> f64 {
-        let left = last.judged.held_out.max(last.judged.training) * sigma * sigma;
+    /// Part of what is left (in this standard deviation) that rounding is, at most 1.
+    pub(crate) fn share(&self, left: &Judged, sigma: f64) -> f64 {
+        let left = left.held_out.max(left.training) * sigma * sigma;
         (self.rounding().powi(2) / left.max(f64::MIN_POSITIVE)).min(1.0)
     }
 
@@ -68,19 +66,6 @@ impl Steps {
         let round = |x: f64| self.size * ((x / self.size - self.phase).round() + self.phase);
         y.iter().zip(residual).map(|(y, r)| y - round(y - r)).collect()
     }
-}
-
-/// What is left as given, re-tuned and at last, the last one rounded as the reading is, over the noise before the
-/// rounding; none where the reading moves in no steps that are named.
-pub(crate) fn against_noise(o: &Outcome, left: [&Judged; 3]) -> Option<[Judged; 3]> {
-    let steps = o.task.steps?;
-    let data = &o.task.data;
-    let over = o.sigma / steps.beside;
-    let [given, before, after] =
-        left.map(|judged| -> Vec<f64> { judged.residual.iter().map(|r| over * r).collect() });
-    let si: Vec<f64> = after.iter().map(|r| steps.beside * r).collect();
-    let rounded = steps.left(&data.y, &si).into_iter().map(|r| r / steps.beside).collect();
-    Some([given, before, rounded].map(|residual| o.judge.figures(residual, data)))
 }
 
 /// Step and phase of the grid on which values lie.

@@ -11,8 +11,9 @@ use data::Log;
 
 use crate::base::Base;
 use crate::error::Error;
+use crate::port::Port;
 use crate::request::Request;
-use crate::task::{Port, Task, assemble, correlation};
+use crate::task::{Task, assemble, correlation};
 use crate::thresholds::base::Thresholds;
 
 /// The column of a monitor of this input: by its name, in the input's unit, and like the command.

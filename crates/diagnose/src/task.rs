@@ -1,4 +1,4 @@
-//! From a request to one task per output: data in SI, model as a chain, noise.
+//! One output, ready to be diagnosed: data in SI, model as a chain, noise.
 
 mod auxiliaries;
 mod noise_floor;
@@ -6,20 +6,20 @@ mod noise_floor;
 use std::sync::Arc;
 
 use components::effects::SENSOR_QUANTISATION;
-use data::{CheckedBlueprint, Log, NameMap, inner_steps};
-use model::{Causality, Unit};
+use data::{Log, inner_steps};
+use model::Unit;
 
 use self::auxiliaries::auxiliaries;
 use self::noise_floor::floor;
-use crate::base::{Base, Part};
+use crate::axis_group::Group;
+use crate::base::Base;
 use crate::between::Course;
-use crate::coupled::{self, Coupled};
 use crate::data_set::{DataSet, RecordRows};
 use crate::error::Error;
 use crate::gap::NoiseFloor;
-use crate::request::{Model, Noise, Request};
+use crate::port::{Port, column, unit_text};
+use crate::request::Request;
 use crate::steps::Steps;
-use crate::tap;
 use crate::thresholds::base::Thresholds;
 
 /// One output, ready to be diagnosed.
@@ -58,217 +58,11 @@ pub(crate) struct Task {
     pub(crate) coupled: Option<Arc<Coupled>>,
 }
 
-/// An input or output of the model.
-#[derive(Clone, Debug)]
-pub(crate) struct Port {
-    pub(crate) name: String,
-    pub(crate) alias: Option<String>,
-    pub(crate) unit: String,
-    pub(crate) si: Unit,
-    pub(crate) range: (f64, f64),
-}
-
-impl Port {
-    /// Name in reports.
-    pub(crate) fn label(&self) -> &str {
-        self.alias.as_deref().unwrap_or(&self.name)
-    }
-
-    /// Whether a user may call it so.
-    pub(crate) fn is(&self, name: &str) -> bool {
-        self.name == name || self.alias.as_deref() == Some(name)
-    }
-
-    /// The port's column in a log.
-    pub(crate) fn column<'a>(&'a self, names: &'a NameMap, log: &Log) -> Option<&'a str> {
-        let alias = self.alias.as_deref();
-        let mapped = names.column(&self.name).or_else(|| names.column(alias?));
-        if let Some(column) = mapped {
-            return log.column(column).map(|_| column);
-        }
-        [Some(self.name.as_str()), alias]
-            .into_iter()
-            .flatten()
-            .find(|name| log.column(name).is_some())
-    }
-}
-
-/// All tasks of a request.
-pub(crate) fn tasks(request: &Request) -> Result<Vec<Task>, Error> {
-    check(request)?;
-    match &request.model {
-        Model::Blueprint(blueprint) => white(request, blueprint),
-        Model::Fmu(path) => crate::fmu::tasks(request, path),
-    }
-}
-
-fn check(request: &Request) -> Result<(), Error> {
-    let option = |option, value: String, message: &str| {
-        Err(Error::Option { option, value, message: message.to_owned() })
-    };
-    if request.logs.is_empty() {
-        return option("--log", String::new(), "give at least one measured log");
-    }
-    if !(request.gain_tolerance.is_finite() && request.gain_tolerance > 0.0) {
-        let value = request.gain_tolerance.to_string();
-        return option("--gain-tolerance", value, "must be above zero, as in 0.01");
-    }
-    if !(request.accuracy.is_finite() && (0.0..1.0).contains(&request.accuracy)) {
-        let value = request.accuracy.to_string();
-        return option("--accuracy", value, "must be a part of the range from 0 to 1, as in 0.01");
-    }
-    for name in &request.without {
-        if components::effects::find(name).is_none() {
-            let known: Vec<&str> = components::effects::EFFECTS.iter().map(|e| e.name).collect();
-            let near = data::nearest(name, known.iter().copied())
-                .map_or_else(String::new, |n| format!("did you mean {n}? "));
-            let message = format!("is no effect; {near}effects are {}", known.join(", "));
-            return option("--without", name.clone(), &message);
-        }
-    }
-    if let Noise::Given(all) = &request.noise {
-        for (_, sigma) in all {
-            if !(sigma.is_finite() && *sigma > 0.0) {
-                return option("--noise", sigma.to_string(), "a standard deviation is above zero");
-            }
-        }
-    }
-    Ok(())
-}
-
-fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Task>, Error> {
-    let system = blueprint.system();
-    let port = |name: String| {
-        let reference = system.variables().find(&name)?;
-        let v = system.variables().get(reference)?;
-        Some(Port {
-            name,
-            alias: v.alias.clone(),
-            unit: v.unit.clone(),
-            si: v.si,
-            range: (v.min, v.max),
-        })
-    };
-    let model = &blueprint.spec().name;
-    if system.variables().with(Causality::Input).any(|(_, v)| v.name.starts_with("reference")) {
-        let message = "is a controller; give the plant's blueprint".to_owned();
-        return Err(Error::Model { model: model.clone(), message });
-    }
-    let axes = 1..=blueprint.spec().axes.len();
-    let inputs: Vec<Port> = axes.clone().filter_map(|k| port(format!("command[{k}]"))).collect();
-    let outputs: Vec<Port> = axes.filter_map(|k| port(format!("position[{k}]"))).collect();
-    let mut unknown = check_names(request, model, &inputs, &outputs)?;
-    let chosen = choose(request, model, &outputs)?;
-    let step = Some(blueprint.spec().period);
-    let tuned = (&request.tolerances[..], request.gain_tolerance);
-    let mut all = coupled::tasks(request, blueprint, (&inputs, &outputs), &chosen)?;
-    let is_coupled = |index: &usize| all.iter().any(|p: &Task| p.axis == index + 1);
-    let apart: Vec<usize> = chosen.into_iter().filter(|index| !is_coupled(index)).collect();
-    for index in apart {
-        let base = Base::white(blueprint, (index + 1, Part::Axis), tuned.0, tuned.1)?;
-        match tap::monitor(request, &inputs[index]) {
-            Some(monitor) if base.joint().is_none() => {
-                let ports = (&inputs[..], &outputs[..]);
-                all.extend(tap::cut(request, ports, index, &base, step, &monitor)?);
-            }
-            monitor => {
-                let mut task = assemble(request, &inputs, &outputs, index, index, base, step)?;
-                task.warnings.extend(monitor.map(|m| coupled::not_cut(&m)));
-                all.push(task);
-            }
-        }
-    }
-    if let Some(first) = all.first_mut() {
-        first.warnings.append(&mut unknown);
-    }
-    Ok(all)
-}
-
-/// Names of `--noise` and `--map` against the model's: one of the first that is unknown is an error, of the second a
-/// warning, as one list of pairs may serve several models.
-pub(crate) fn check_names(
-    request: &Request,
-    model: &str,
-    inputs: &[Port],
-    outputs: &[Port],
-) -> Result<Vec<String>, Error> {
-    let near = |name: &str, ports: &[&Port]| {
-        let names = ports.iter().flat_map(|p| [Some(p.name.as_str()), p.alias.as_deref()]);
-        data::nearest(name, names.flatten())
-            .map_or_else(String::new, |near| format!("did you mean {near}? "))
-    };
-    let labels = |ports: &[&Port]| ports.iter().map(|p| p.label()).collect::<Vec<_>>().join(", ");
-    if let Noise::Given(all) = &request.noise {
-        let known: Vec<&Port> = outputs.iter().collect();
-        for name in all.iter().filter_map(|(name, _)| name.as_deref()) {
-            // The column of a monitor is an output, too.
-            let is_column = request.logs.iter().any(|log| log.column(name).is_some());
-            if !is_column && !outputs.iter().any(|port| port.is(name)) {
-                return Err(Error::Option {
-                    option: "--noise",
-                    value: name.to_owned(),
-                    message: format!(
-                        "is no output of {model}; {}its outputs are {}",
-                        near(name, &known),
-                        labels(&known)
-                    ),
-                });
-            }
-        }
-    }
-    let known: Vec<&Port> = inputs.iter().chain(outputs).collect();
-    let pairs = request.names.iter();
-    let unknown =
-        pairs.filter(|(name, _)| *name != "time" && !known.iter().any(|port| port.is(name)));
-    Ok(unknown
-        .map(|(name, column)| {
-            format!(
-                "--map {name}={column} has no effect: {name} is neither an input nor an output of {model}; {}they are {}",
-                near(name, &known),
-                labels(&known)
-            )
-        })
-        .collect())
-}
-
-/// Numbers of the outputs that are looked at.
-pub(crate) fn choose(
-    request: &Request,
-    model: &str,
-    outputs: &[Port],
-) -> Result<Vec<usize>, Error> {
-    let labels = || outputs.iter().map(Port::label).collect::<Vec<_>>().join(", ");
-    for asked in &request.outputs {
-        if !outputs.iter().any(|port| port.is(asked)) {
-            return Err(Error::Option {
-                option: "--outputs",
-                value: asked.clone(),
-                message: format!("is no output of {model}; its outputs are {}", labels()),
-            });
-        }
-    }
-    let is_asked = |port: &Port| {
-        request.outputs.is_empty() || request.outputs.iter().any(|asked| port.is(asked))
-    };
-    let logs = || request.logs.iter().chain(&request.holdout);
-    let chosen: Vec<usize> = (0..outputs.len())
-        .filter(|k| is_asked(&outputs[*k]))
-        .filter(|k| logs().all(|log| outputs[*k].column(&request.names, log).is_some()))
-        .collect();
-    if chosen.is_empty() {
-        let log = &request.logs[0];
-        let columns: Vec<&str> = log.columns().iter().map(|c| c.name.as_str()).collect();
-        return Err(Error::Log {
-            log: log.origin().to_owned(),
-            message: format!(
-                "no column is an output of {model}; outputs are {}, columns are {}: name one with --map {}=COLUMN",
-                labels(),
-                columns.join(", "),
-                outputs.first().map_or("position[1]", Port::label)
-            ),
-        });
-    }
-    Ok(chosen)
+/// A group of axes that static couplings join, all of which are looked at.
+pub(crate) struct Coupled {
+    pub(crate) group: Group,
+    /// The reading of each axis as a function of its position, which is put in place of the command.
+    pub(crate) readings: Vec<Task>,
 }
 
 /// Puts one task together: output number `output` as a function of input number `input`.
@@ -389,32 +183,6 @@ pub(crate) fn assemble(
 fn file(log: &Log) -> String {
     let path = std::path::Path::new(log.origin());
     path.file_name().map_or_else(|| log.origin().to_owned(), |n| n.to_string_lossy().into_owned())
-}
-
-pub(crate) fn unit_text(port: &Port) -> &str {
-    if port.unit.is_empty() { "1" } else { &port.unit }
-}
-
-/// The values of a port in a log, in the port's unit.
-pub(crate) fn column(
-    request: &Request,
-    port: &Port,
-    log: &Log,
-    role: &str,
-) -> Result<Vec<f64>, Error> {
-    let Some(name) = port.column(&request.names, log) else {
-        let there: Vec<&str> = log.columns().iter().map(|c| c.name.as_str()).collect();
-        return Err(Error::Log {
-            log: log.origin().to_owned(),
-            message: format!(
-                "has no column for the {role} {}; columns are {}: name one with --map {}=COLUMN",
-                port.name,
-                there.join(", "),
-                port.label()
-            ),
-        });
-    };
-    Ok(log.convert(name, unit_text(port))?)
 }
 
 pub(crate) fn correlation(a: &[f64], b: &[f64]) -> f64 {

@@ -45,6 +45,6 @@ pub(super) fn stepped(o: &Outcome) -> Option<NamedEffect> {
         set: vec![effect.name.to_owned()],
         group: None,
         parameters,
-        explained: steps.share(&o.found.last, o.sigma),
+        explained: steps.share(&o.found.last.judged, o.sigma),
     })
 }

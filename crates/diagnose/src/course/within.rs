@@ -12,10 +12,11 @@ use crate::chain::{Chain, Node};
 use crate::data_set::DataSet;
 use crate::fit::{Fit, Fitter};
 use crate::gap::Verdict;
-use crate::outcome::{self, Outcome};
+use crate::outcome::Outcome;
 use crate::parameter::Parameter;
 use crate::path_block::RecordBlock;
 use crate::sentence::together;
+use crate::stages;
 use crate::task::Task;
 use crate::thresholds::base::Thresholds;
 
@@ -110,7 +111,7 @@ impl Readings<'_> {
         let nodes = outcome.task.base.nodes.iter().map(|node| node.over(&data)).collect();
         let base = Base { late, nodes, ..outcome.task.base.clone() };
         let task = Task { data, base, course, ..self.fresh.clone() };
-        let outcome = outcome::of(task, self.request, self.count).ok()?;
+        let outcome = stages::of(task, self.request, self.count).ok()?;
         Some(Within { outcome, row })
     }
 

@@ -3,8 +3,9 @@
 use data::Log;
 use model::Unit;
 
-use super::{Port, correlation};
+use super::correlation;
 use crate::error::Error;
+use crate::port::Port;
 use crate::request::Request;
 
 /// A column that is no input or output of the path that is looked at.

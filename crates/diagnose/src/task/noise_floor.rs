@@ -1,10 +1,10 @@
 //! The noise of an output before anything is fitted: stated, of a record at rest, or from the readings themselves.
 
-use super::{Port, column};
 use crate::data_set::DataSet;
 use crate::error::Error;
 use crate::gap::NoiseFloor;
 use crate::noise;
+use crate::port::{Port, column};
 use crate::request::{Noise, Request};
 use crate::steps::Steps;
 use crate::thresholds::noise::Thresholds;

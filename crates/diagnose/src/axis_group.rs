@@ -7,28 +7,28 @@ use nalgebra::DMatrix;
 use crate::base::coupling::motion_unit;
 use crate::base::{in_si, is_noise};
 use crate::error::Error;
+use crate::port::{Port, column, unit_text};
 use crate::request::{Noise, Request};
-use crate::task::{Port, column, unit_text};
 use crate::thresholds::base::Thresholds;
 
 /// Axes that couplings join, with what the couplings do.
-pub(super) struct Group {
+pub(crate) struct Group {
     /// Indices of the axes.
-    pub(super) axes: Vec<usize>,
+    pub(crate) axes: Vec<usize>,
     /// Names of the couplings.
-    pub(super) couplings: Vec<String>,
+    pub(crate) couplings: Vec<String>,
     /// A, reading per motion, SI.
-    pub(super) matrix: DMatrix<f64>,
+    pub(crate) matrix: DMatrix<f64>,
     /// A⁻¹, motion per reading, SI.
     inverse: DMatrix<f64>,
     /// F(b), readings at zero motion, SI.
-    pub(super) at_zero: Vec<f64>,
+    pub(crate) at_zero: Vec<f64>,
     /// Condition number of A, its rows and columns scaled to the same size.
-    pub(super) condition: f64,
+    pub(crate) condition: f64,
 }
 
 impl Group {
-    pub(super) fn of(
+    pub(crate) fn of(
         blueprint: &CheckedBlueprint,
         axes: Vec<usize>,
         couplings: &[&CouplingSpec],
@@ -87,7 +87,7 @@ impl Group {
     ///
     /// # Errors
     /// [`Error`]: a log without a column for one of the outputs.
-    pub(super) fn add_motions(
+    pub(crate) fn add_motions(
         &self,
         request: &mut Request,
         outputs: &[Port],

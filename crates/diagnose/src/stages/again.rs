@@ -2,11 +2,12 @@
 
 use std::sync::atomic::AtomicU64;
 
-use super::{Base, Outcome, Run, Scale};
+use super::{Base, Run, Scale};
 use crate::candidate::are_several_in_faint_gap;
 use crate::error::Error;
 use crate::formula::Formula;
 use crate::nuisance::Nuisance;
+use crate::outcome::Outcome;
 use crate::request::Request;
 use crate::select::Memo;
 use crate::setting::simulated_span;
