@@ -26,6 +26,7 @@ use crate::request::{Model, Request};
 use crate::score::{Judged, explained};
 use crate::shrink::Evidence;
 use crate::thresholds::answer::Thresholds;
+use crate::thresholds::base;
 
 /// Puts the answer together.
 pub(crate) fn gap(request: &Request, outcomes: &[Outcome], simulations: u64) -> Gap {
@@ -358,7 +359,7 @@ fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
                     to: p.value + p.deviation * q,
                     tolerance: p.deviation,
                     unit: p.unit.clone(),
-                    at_limit: q.abs() >= 3.0 - 1e-9,
+                    at_limit: is_at_limit(q),
                 },
             ));
         }
@@ -366,11 +367,16 @@ fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
     if let Some(at) = find(&last.chain, "output.gain") {
         let (q, tolerance) = (last.fit.theta[at], o.task.base.gain_tolerance);
         let name = if many { format!("{}.gain", o.task.output) } else { "output.gain".into() };
-        let at_limit = q.abs() >= 3.0 - 1e-9;
+        let at_limit = is_at_limit(q);
         let unit = "1".to_owned();
         all.push((name, Retuned { from: 1.0, to: 1.0 + tolerance * q, tolerance, unit, at_limit }));
     }
     all
+}
+
+/// Whether the coordinate of a parameter with a tolerance is at its bound.
+fn is_at_limit(q: f64) -> bool {
+    q.abs() >= base::Thresholds::PRIOR_BOX - 1e-9
 }
 
 fn tried(o: &Outcome) -> Vec<Tried> {
@@ -412,7 +418,7 @@ fn cautions(o: &Outcome) -> Vec<String> {
     let mut all = Vec::new();
     let noise = &o.task.noise;
     if let Some(periods) = noise.periods
-        && periods > 2.0 * noise.sigma
+        && periods > Thresholds::PERIODS_MORE * noise.sigma
     {
         all.push(format!(
             "{}: from period to period the reading changes by {periods:.3e} {}, {:.1} times the noise that is used: something is not driven by the command, or drifts",
@@ -428,7 +434,7 @@ fn cautions(o: &Outcome) -> Vec<String> {
     }
     if noise.source == "second differences"
         && o.verdict == Verdict::Unknown
-        && o.found.base.judged.held_out < 4.0 * o.adequate
+        && o.found.base.judged.held_out < Thresholds::GAP_SMALL * o.adequate
     {
         all.push(format!(
             "{}: the noise was estimated from the logs, which is a lower bound; the gap is small against it: give --rest or --noise before you believe it",
@@ -471,7 +477,7 @@ fn provenance(request: &Request, simulations: u64) -> Provenance {
     let split = if request.holdout.is_empty() {
         format!(
             "the last {:.0} % of each record, simulated from the record's start",
-            100.0 * crate::thresholds::base::Thresholds::HELD_OUT
+            100.0 * base::Thresholds::HELD_OUT
         )
     } else {
         "the logs given for it".to_owned()

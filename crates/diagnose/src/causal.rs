@@ -39,16 +39,17 @@ fn left(data: &DataSet, residual: &[f64], sigma: f64) -> f64 {
         right: DVector::zeros(FUNCTIONS),
     };
     let mut all = zero();
-    let mut folds = [(); FOLDS].map(|()| zero());
+    let mut folds = [(); Thresholds::CAUSED_FOLDS].map(|()| zero());
     signals.for_each_block(residual, |k, _, functions, own| {
-        folds[k % FOLDS].add(&functions.tr_mul(functions), &functions.tr_mul(own));
+        folds[k % Thresholds::CAUSED_FOLDS]
+            .add(&functions.tr_mul(functions), &functions.tr_mul(own));
     });
     folds.iter().for_each(|fold| all.add(&fold.matrix, &fold.right));
     let without: Vec<Option<DVector<f64>>> =
         folds.into_iter().map(|fold| all.solve_without(fold)).collect();
     let (mut gained, mut rows) = ([0.0; 2], [0.0; 2]);
     signals.for_each_block(residual, |k, block, functions, own| {
-        let Some(others) = &without[k % FOLDS] else { return };
+        let Some(others) = &without[k % Thresholds::CAUSED_FOLDS] else { return };
         let rest = own - functions * others;
         let is_held_out = !data.records.iter().any(|r| r.training.contains(&block.start));
         let count = block.len() as f64;
@@ -139,25 +140,22 @@ fn straighten(values: &mut [f64]) {
     values.iter_mut().enumerate().for_each(|(k, v)| *v -= mean + slope * (k as f64 - centre));
 }
 
-/// Groups of blocks, each of which is predicted by the others.
-const FOLDS: usize = 8;
-const LOW_PASSES: usize = 7;
-const BANDS: usize = 10;
-const TRIANGLES: usize = 9;
 /// The two signals with their steps, sizes of steps and low-passes; two values of each band; triangles over both, and by direction.
-const FUNCTIONS: usize = 2 * (3 + LOW_PASSES) + 2 * BANDS + 3 * TRIANGLES;
+const FUNCTIONS: usize = 2 * (3 + Thresholds::CAUSED_LOW_PASSES)
+    + 2 * Thresholds::CAUSED_BANDS
+    + 3 * Thresholds::CAUSED_TRIANGLES;
 
 /// The functions, from the start of a record.
 struct Functions {
     /// Time constant of each low-pass in rows, plus 1.
-    lags: [f64; LOW_PASSES],
+    lags: [f64; Thresholds::CAUSED_LOW_PASSES],
     /// Factors of the input and of the last two values of each band.
-    poles: [[f64; 3]; BANDS],
+    poles: [[f64; 3]; Thresholds::CAUSED_BANDS],
     /// Command and reading of the row before.
     last: Option<[f64; 2]>,
-    lows: [[f64; LOW_PASSES]; 2],
+    lows: [[f64; Thresholds::CAUSED_LOW_PASSES]; 2],
     /// Values of each band, of the last two rows.
-    bands: [[f64; 2]; BANDS],
+    bands: [[f64; 2]; Thresholds::CAUSED_BANDS],
     direction: f64,
 }
 
@@ -174,8 +172,8 @@ impl Functions {
             lags: std::array::from_fn(|k| 1.0 + 3.0f64.powi(k as i32)),
             poles,
             last: None,
-            lows: [[0.0; LOW_PASSES]; 2],
-            bands: [[0.0; 2]; BANDS],
+            lows: [[0.0; Thresholds::CAUSED_LOW_PASSES]; 2],
+            bands: [[0.0; 2]; Thresholds::CAUSED_BANDS],
             direction: 0.0,
         }
     }
@@ -184,7 +182,7 @@ impl Functions {
     fn next(&mut self, u: f64, y: f64, into: &mut [f64]) {
         let last = self.last.unwrap_or([u, y]);
         if self.last.is_none() {
-            self.lows = [[u; LOW_PASSES], [y; LOW_PASSES]];
+            self.lows = [[u; Thresholds::CAUSED_LOW_PASSES], [y; Thresholds::CAUSED_LOW_PASSES]];
         }
         self.last = Some([u, y]);
         let mut into = into.iter_mut();
@@ -205,8 +203,8 @@ impl Functions {
         if y != last[1] {
             self.direction = (y - last[1]).signum();
         }
-        for k in 0..TRIANGLES {
-            let width = 2.0 / (TRIANGLES - 1) as f64;
+        for k in 0..Thresholds::CAUSED_TRIANGLES {
+            let width = 2.0 / (Thresholds::CAUSED_TRIANGLES - 1) as f64;
             let over = (1.0 - (y + 1.0 - k as f64 * width).abs() / width).max(0.0);
             let of_command = (1.0 - (u + 1.0 - k as f64 * width).abs() / width).max(0.0);
             [over, self.direction * over, of_command].into_iter().for_each(&mut push);

@@ -286,7 +286,7 @@ fn menu(o: &Outcome, n: usize, (known, steepest): (f64, f64)) -> Vec<Item> {
     // Triangles as steep as may be: much speed and many turns.
     let steep = [0.95, 0.5, 0.2, 0.05, 0.02].map(|part| {
         let periods = (steepest * length / (4.0 * part * half.max(f64::MIN_POSITIVE))).floor();
-        (part, periods.clamp(1.0, (0.05 * nyquist * length).max(1.0)))
+        (part, periods.clamp(1.0, (Thresholds::EXPERIMENT_TURNS * nyquist * length).max(1.0)))
     });
     let slow = [(0.95, 2.0), (0.3, 2.0), (0.95, 20.0), (0.95, 200.0)];
     for (part, periods) in slow.into_iter().chain(steep) {
@@ -296,7 +296,7 @@ fn menu(o: &Outcome, n: usize, (known, steepest): (f64, f64)) -> Vec<Item> {
             let phase = (k as f64 / n as f64 * periods).fract();
             centre + part * half * (1.0 - 4.0 * (phase - 0.5).abs())
         };
-        if periods / length < 0.1 * nyquist {
+        if periods / length < Thresholds::EXPERIMENT_TRIANGLE * nyquist {
             all.push(Item { name, command: (0..n).map(wave).collect() });
         }
     }
@@ -331,7 +331,7 @@ impl Item {
         if own > most && most > 0.0 {
             let part = most / own;
             self.command.iter_mut().for_each(|u| *u = centre + part * (*u - centre));
-            if part < 0.995 {
+            if part < Thresholds::EXPERIMENT_SMALLER {
                 self.name += &format!(", made smaller to {:.0} %", 100.0 * part);
             }
         }
@@ -341,7 +341,7 @@ impl Item {
     /// The signal, whose name says where it asks for more speed than the machine had in the logs.
     fn of_steepness(mut self, known: f64, sample: f64) -> Self {
         let times = self.steepest(sample) / known;
-        if known > 0.0 && times > 1.005 {
+        if known > 0.0 && times > Thresholds::EXPERIMENT_STATED {
             self.name += &format!(
                 " (up to {times:.1} times as steep as the logs: check that the machine may)"
             );

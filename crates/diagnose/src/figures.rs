@@ -6,12 +6,7 @@ use std::f64::consts::{PI, TAU};
 use identify::frequency::{Experiment, FrequencyResponse, Line, MeasureSettings, measure};
 use report::{Axis, Bode, Histogram, Role, Spectrum};
 
-/// Lines that a response has on a page.
-const LINES: usize = 1000;
-/// A triangle and a chirp in one record differ by this much in power.
-const BAND: f64 = 1e-6;
-/// With fewer a response says nothing.
-const FEWEST: usize = 8;
+use crate::thresholds::answer::Thresholds;
 
 /// One input with signals that answer it.
 pub struct Answered<'a> {
@@ -29,10 +24,13 @@ pub fn bode(title: impl Into<String>, unit: &str, record: &Answered<'_>) -> Opti
     let outputs = record.outputs.iter().map(|(_, _, values)| values.to_vec()).collect();
     let experiment =
         Experiment { name: "record".into(), inputs: vec![record.input.to_vec()], outputs };
-    let settings =
-        MeasureSettings { most_lines: LINES, band: BAND, ..MeasureSettings::new(record.period) };
+    let settings = MeasureSettings {
+        most_lines: Thresholds::RESPONSE_LINES,
+        band: Thresholds::RESPONSE_BAND,
+        ..MeasureSettings::new(record.period)
+    };
     let found = measure(&[experiment], &settings).ok()?;
-    if found.lines.len() < FEWEST {
+    if found.lines.len() < Thresholds::RESPONSE_FEWEST {
         return None;
     }
     let mut figure = Bode::new(title, unit).caption(caption(&found));

@@ -68,7 +68,8 @@ impl<'a> Fitter<'a> {
     /// Effective number of training rows.
     pub(crate) fn effective(&self) -> f64 {
         let rows: usize = self.data.records.iter().map(|r| r.training.len()).sum();
-        (rows as f64 / Thresholds::CORRELATED_ROWS).clamp(50.0, Thresholds::MOST_EFFECTIVE)
+        (rows as f64 / Thresholds::CORRELATED_ROWS)
+            .clamp(Thresholds::LEAST_EFFECTIVE, Thresholds::MOST_EFFECTIVE)
     }
 
     fn work(self, chain: &'a Chain) -> Work<'a> {

@@ -22,7 +22,7 @@ impl Shape {
 
     /// With this white part of the variance between two frequencies; the rest grows as 1/f.
     pub(crate) fn with_white(white: f64, low: f64, high: f64) -> Self {
-        let white = white.clamp(0.05, 1.0);
+        let white = white.clamp(Thresholds::LEAST_WHITE, 1.0);
         Self { white, corner: (1.0 / white - 1.0) * (high - low) / (high / low).ln() }
     }
 
@@ -41,7 +41,7 @@ fn growth(corner: f64, low: f64, high: f64) -> f64 {
 /// likelihood of their band powers; lines that stand out, as of the mains, do not count.
 pub(crate) fn of_rest(records: &[&[f64]], sample: f64) -> Option<(f64, f64)> {
     let longest = records.iter().map(|r| r.len()).max()?;
-    if longest < 64 {
+    if longest < Thresholds::REST_ROWS {
         return None;
     }
     let bands = Bands::new(longest, sample);
@@ -75,15 +75,16 @@ fn trimmed(mut powers: Vec<f64>) -> Option<(f64, f64)> {
     if powers.is_empty() {
         return None;
     }
-    if powers.len() < 5 {
+    if powers.len() < Thresholds::TRIMMED_LINES {
         let n = powers.len() as f64;
         return Some((powers.iter().sum::<f64>() / n, n));
     }
     powers.sort_by(f64::total_cmp);
-    let limit = 5.0 * powers[powers.len() / 2];
+    let limit = Thresholds::TRIMMED_ABOVE * powers[powers.len() / 2];
     let kept = powers.partition_point(|p| *p <= limit);
     let mean = powers[..kept].iter().sum::<f64>() / kept as f64;
-    Some((mean / Thresholds::TRIMMED_MEAN.max(1.0 - 0.03 * kept as f64), kept as f64))
+    let part = Thresholds::TRIMMED_MEAN.max(1.0 - Thresholds::TRIMMED_FALL * kept as f64);
+    Some((mean / part, kept as f64))
 }
 
 /// Corner in Hz of the noise under residuals whose white part has the variance `white`: from the
@@ -101,14 +102,16 @@ pub(crate) fn corner_under(
     let mut powers: Vec<Vec<f64>> = vec![Vec::new(); count];
     for rows in rows {
         for (band, lines) in spectrum::lines_of_bands(&residual[rows], &bands, sample) {
-            if lines.len() >= 3 {
+            if lines.len() >= Thresholds::COLOUR_LINES {
                 powers[band].push(lines.iter().sum::<f64>() / lines.len() as f64);
             }
         }
     }
     let nyquist = 0.5 / sample;
     let mut corners: Vec<f64> = (0..count)
-        .filter(|band| bands.ends[band + 1] < 0.1 * nyquist && !powers[*band].is_empty())
+        .filter(|band| {
+            bands.ends[band + 1] < Thresholds::COLOUR_BELOW * nyquist && !powers[*band].is_empty()
+        })
         .map(|band| {
             let mut all = powers[band].clone();
             all.sort_by(f64::total_cmp);
@@ -140,7 +143,7 @@ pub(crate) fn second_differences(
         let y = &y[rows];
         all.extend(y.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()));
     }
-    if all.len() < 20 {
+    if all.len() < Thresholds::DIFFERENCES {
         return None;
     }
     let sigma = median(&mut all)? / (0.6745 * 6f64.sqrt());
@@ -164,7 +167,7 @@ pub(crate) fn fourth_differences(
             r.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()),
         );
     }
-    if all.len() < 20 {
+    if all.len() < Thresholds::DIFFERENCES {
         return None;
     }
     median(&mut all).filter(|m| *m > 0.0).map(|median| median / (0.6745 * 70f64.sqrt()))
@@ -202,7 +205,7 @@ impl Repeats {
             }
         }
         let count: usize = parts.iter().map(Vec::len).sum();
-        (count > 50).then_some(Self { parts })
+        (count > Thresholds::REPEATED_ROWS).then_some(Self { parts })
     }
 
     /// The repeats' standard deviation.
@@ -241,7 +244,7 @@ fn period_of(u: &[f64]) -> Option<usize> {
     let (low, high) =
         u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let range = high - low;
-    let close = 5e-4 * range;
+    let close = Thresholds::REPEATED_NEAR * range;
     if close.is_nan() || close <= 0.0 {
         return None;
     }
@@ -249,7 +252,7 @@ fn period_of(u: &[f64]) -> Option<usize> {
         // A few places first, then all.
         let same = |k: usize| (u[k] - u[k + shift]).abs() <= close;
         let last = u.len() - shift;
-        let moves = |k: usize| (u[k] - u[k + shift / 2]).abs() > 0.1 * range;
+        let moves = |k: usize| (u[k] - u[k + shift / 2]).abs() > Thresholds::REPEATED_MOVES * range;
         (0..16).all(|k| same(k * (last - 1) / 15)) && (0..last).all(same) && (0..last).any(moves)
     })
 }

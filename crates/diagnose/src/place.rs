@@ -134,17 +134,18 @@ impl Maps<'_> {
                 .filter(|(u, _)| is(span.unit(**u)))
                 .map(|(_, r)| *r)
                 .collect();
-            (all.len() >= 50).then(|| (mean_square(&all) - 1.0).max(0.0))
+            (all.len() >= Thresholds::RANGE_ROWS).then(|| (mean_square(&all) - 1.0).max(0.0))
         };
+        let (inner, outer) = Thresholds::RANGE_PARTS;
         let (low, middle, high) =
-            (mean(&|z| z < -0.6)?, mean(&|z| z.abs() < 0.4)?, mean(&|z| z > 0.6)?);
-        let text = if high > 4.0 * low.max(middle) {
+            (mean(&|z| z < -outer)?, mean(&|z| z.abs() < inner)?, mean(&|z| z > outer)?);
+        let text = if high > Thresholds::MOSTLY * low.max(middle) {
             "mostly at the upper end of the range"
-        } else if low > 4.0 * high.max(middle) {
+        } else if low > Thresholds::MOSTLY * high.max(middle) {
             "mostly at the lower end of the range"
-        } else if low.min(high) > 2.0 * middle {
+        } else if low.min(high) > Thresholds::CLEARLY * middle {
             "at both ends of the range"
-        } else if middle > 2.0 * low.max(high) {
+        } else if middle > Thresholds::CLEARLY * low.max(high) {
             "in the middle of the range"
         } else {
             "over the whole range"
@@ -175,7 +176,7 @@ impl Maps<'_> {
         }
         let (mut difference, mut half_sum, mut cells) = (0.0, 0.0, 0.0);
         for [up, down] in sums {
-            if up.1 < 20.0 || down.1 < 20.0 {
+            if up.1 < Thresholds::BRANCH_ROWS || down.1 < Thresholds::BRANCH_ROWS {
                 continue;
             }
             let (u, d) = (up.0 / up.1, down.0 / down.1);
@@ -183,16 +184,16 @@ impl Maps<'_> {
             half_sum += (0.5 * (u + d)).powi(2);
             cells += 1.0;
         }
-        if cells < 4.0 {
+        if cells < Thresholds::BRANCH_FEWEST {
             return None;
         }
-        let text = if difference + half_sum < 0.1 * cells {
+        let text = if difference + half_sum < Thresholds::BRANCH_NOTHING * cells {
             "none: the mean over rising and falling commands is below the noise"
-        } else if difference > 3.0 * half_sum {
+        } else if difference > Thresholds::BRANCH_MOSTLY * half_sum {
             "opposite on rising and falling commands: memory or lag"
-        } else if half_sum > 3.0 * difference {
+        } else if half_sum > Thresholds::BRANCH_MOSTLY * difference {
             // The share of the gap's power that a curve over the command holds.
-            if half_sum / cells > 0.5 * (squares / rows - 1.0_f64).max(0.0) {
+            if half_sum / cells > Thresholds::BRANCH_MAP * (squares / rows - 1.0_f64).max(0.0) {
                 "the same on rising and falling commands: a static map"
             } else {
                 "the mean gap is the same on rising and falling commands, but explains less than half of the gap"
@@ -208,7 +209,7 @@ impl Maps<'_> {
         for record in &self.data.records {
             let r = &self.before[record.rows.clone()];
             let quarter = r.len() / 4;
-            if quarter < 20 {
+            if quarter < Thresholds::QUARTER_ROWS {
                 continue;
             }
             early += mean_square(&r[..quarter]);
@@ -223,11 +224,11 @@ impl Maps<'_> {
         if all <= 0.0 {
             return None;
         }
-        let text = if slow > 0.5 * all {
+        let text = if slow > Thresholds::SLOW * all {
             "slow: most of it changes over eighths of the record or longer"
-        } else if early > 4.0 * late {
+        } else if early > Thresholds::MOSTLY * late {
             "mostly at the start of the records"
-        } else if late > 4.0 * early {
+        } else if late > Thresholds::MOSTLY * early {
             "growing over the records"
         } else {
             "throughout the records"
@@ -278,12 +279,13 @@ impl Maps<'_> {
                 best = Some(f64::max(best.unwrap_or(0.0), sum / weight));
             }
         }
-        if best.is_some_and(|c| c > 0.25) {
+        if best.is_some_and(|c| c > Thresholds::COHERENT) {
             return Some(true);
         }
         let rows = self.data.records.iter().map(|r| r.rows.clone());
         let differs = Repeats::of(command, residual, rows)?.sigma()?;
-        let part = (differs * differs - 1.0).max(0.0) / (mean_square(residual) - 1.0).max(0.1);
+        let part = (differs * differs - 1.0).max(0.0)
+            / (mean_square(residual) - 1.0).max(Thresholds::GAP_LEAST);
         match part {
             p if p < Thresholds::DIFFERS.0 => Some(true),
             p if p > Thresholds::DIFFERS.1 => Some(false),

@@ -56,7 +56,7 @@ pub(crate) struct BlockOfRows {
 
 impl Judge {
     pub(crate) fn new(data: &DataSet, shape: Shape) -> Self {
-        let length = (data.time.len() / Thresholds::JUDGED_BLOCKS).max(20);
+        let length = (data.time.len() / Thresholds::JUDGED_BLOCKS).max(Thresholds::JUDGED_ROWS);
         let mut blocks = Vec::new();
         let mut stretches = Vec::new();
         for (k, record) in data.records.iter().enumerate() {
@@ -219,11 +219,11 @@ impl Judge {
     /// Mean difference of the blocks' logarithmic losses (a worse than b is positive) over its standard
     /// error.
     pub(crate) fn paired(&self, a: &Judged, b: &Judged) -> f64 {
-        let loss = |m: f64| m.max(0.5).ln();
+        let loss = |m: f64| m.max(Thresholds::PAIRED_FLOOR).ln();
         let differences: Vec<f64> =
             a.blocks.iter().zip(&b.blocks).map(|(a, b)| loss(*a) - loss(*b)).collect();
         let n = differences.len() as f64;
-        if n < 4.0 {
+        if n < Thresholds::PAIRED_BLOCKS {
             return 0.0;
         }
         let mean = differences.iter().sum::<f64>() / n;
@@ -231,7 +231,7 @@ impl Judge {
         // Neighbouring blocks are alike: the first lag widens the error.
         let lag: f64 =
             differences.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum::<f64>() / (n - 1.0);
-        let rho = (lag / variance.max(f64::MIN_POSITIVE)).clamp(0.0, 0.9);
+        let rho = (lag / variance.max(f64::MIN_POSITIVE)).clamp(0.0, Thresholds::PAIRED_ALIKE);
         let error = (variance * (1.0 + rho) / (1.0 - rho) / n).sqrt();
         if error > 0.0 { mean / error } else { 0.0 }
     }

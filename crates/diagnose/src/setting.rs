@@ -111,13 +111,13 @@ fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
         for (hits, span) in commands.iter().filter(|(_, span)| span.half > 0.0) {
             let at = data.row_hit[rows.clone()].iter();
             let command: Vec<f64> = at.map(|h| hits[*h as usize] * 1e3 / span.half).collect();
-            let driven = spectrum::lines(&command, sample, 40);
+            let driven = spectrum::lines(&command, sample, Thresholds::COMMAND_LINES);
             // A line that the command has, or a multiple of its strongest, is an answer to the command.
             lines.retain(|f| {
                 let is_multiple = driven.first().is_some_and(|d| {
                     let times = (f / d).round().max(1.0);
                     // Near a multiple of a slow command is every line, if near is not a part of its frequency.
-                    times <= 20.0
+                    times <= Thresholds::COMMAND_ORDERS
                         && (f - times * d).abs() < resolution.min(Thresholds::LINE_MULTIPLE * d)
                 });
                 !is_multiple && driven.iter().all(|d| (f - d).abs() > resolution)
@@ -140,8 +140,8 @@ fn own_lines(data: &DataSet, residual: &[f64], sample: f64) -> Vec<f64> {
 
 /// Whether a frequency is that of the mains or a multiple of it.
 fn is_mains(frequency: f64) -> bool {
-    let is_near = |f: f64| (frequency / f - 1.0).abs() < 0.01;
-    [50.0, 60.0].iter().any(|m| (1..=6).any(|k| is_near(m * f64::from(k))))
+    let is_near = |f: f64| (frequency / f - 1.0).abs() < Thresholds::MAINS_NEAR;
+    [50.0, 60.0].iter().any(|m| (1..=Thresholds::MAINS_ORDERS).any(|k| is_near(m * f64::from(k))))
 }
 
 /// What an error of the command would have to be at each row to leave this residual, in σ: the residual

@@ -27,7 +27,7 @@ pub(crate) struct Evidence<'a> {
 /// Fraction of the gap's power that goes, from mean squares over the noise's.
 pub(crate) fn fraction(before: f64, after: f64) -> Option<f64> {
     let gap = before - 1.0;
-    (gap > 0.1).then(|| (1.0 - (after - 1.0).max(0.0) / gap).clamp(-1.0, 1.0))
+    (gap > Thresholds::GAP_LEAST).then(|| (1.0 - (after - 1.0).max(0.0) / gap).clamp(-1.0, 1.0))
 }
 
 impl Evidence<'_> {
@@ -107,17 +107,14 @@ impl Evidence<'_> {
             draws.extend(fraction(before / n, after / n));
         }
         let Some([low, high]) = middle(draws) else { return [-1.0, 1.0] };
-        // Student's 97.5 % over the normal one, for as many records as there are.
-        let widen = match groups.len() {
-            1 => 3.0,
-            2 => 2.2,
-            3..=4 => 1.5,
-            _ => 1.2,
-        };
+        let most = Thresholds::STUDENT.len();
+        let widen = Thresholds::STUDENT[groups.len().min(most) - 1];
         // The noise's own spread of a new record's mean square, and what its variance may be off.
-        let noise = 0.12 / (self.before.held_out - 1.0).max(0.1);
-        let low = total - widen * (total - low).max(0.0) - noise - 0.01;
-        let high = total + widen * (high - total).max(0.0) + noise + 0.01;
+        let noise =
+            Thresholds::NOISE_SPREAD / (self.before.held_out - 1.0).max(Thresholds::GAP_LEAST);
+        let least = Thresholds::INTERVAL_LEAST;
+        let low = total - widen * (total - low).max(0.0) - noise - least;
+        let high = total + widen * (high - total).max(0.0) + noise + least;
         // What is left over what was is another ratio in a record of another level, and with a model
         // that was re-tuned to other records.
         let left = |spread: f64| 1.0 - (1.0 - total) * (1.96 * spread).exp();

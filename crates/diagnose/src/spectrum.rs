@@ -140,7 +140,7 @@ pub(crate) fn resonances(
         let beside = &answers[k - Thresholds::PEAK_BESIDE..=k + Thresholds::PEAK_BESIDE];
         let is_peak = beside.iter().all(|a| *a <= answers[k]);
         // Noise alone is coherent by one over the segments.
-        if !is_peak || explained(k) < 5.0 / segments * power[k] {
+        if !is_peak || explained(k) < Thresholds::PEAK_COHERENT / segments * power[k] {
             continue;
         }
         let width =
@@ -165,10 +165,11 @@ pub(crate) fn resonances(
 pub(crate) fn lines(signal: &[f64], sample: f64, most: usize) -> Vec<f64> {
     let density = density(signal);
     let n = density.len();
-    if n < 32 {
+    if n < Thresholds::LINE_SPECTRUM {
         return Vec::new();
     }
-    let width = (n / 100).clamp(8, 200);
+    let (least, most_beside) = Thresholds::LINE_BESIDE_LINES;
+    let width = (n / Thresholds::LINE_BESIDE).clamp(least, most_beside);
     let mut found: Vec<(f64, usize)> = Vec::new();
     for k in 3..n - 2 {
         let is_peak = density[k] >= density[k - 1] && density[k] > density[k + 1];
@@ -176,8 +177,8 @@ pub(crate) fn lines(signal: &[f64], sample: f64, most: usize) -> Vec<f64> {
             continue;
         }
         let mut neighbours = density[k.saturating_sub(width).max(1)..(k + width).min(n)].to_vec();
-        let ratio = density[k] / median(&mut neighbours).unwrap_or(0.0).max(0.1);
-        if ratio > 30.0 {
+        let ratio = density[k] / median(&mut neighbours).unwrap_or(0.0).max(Thresholds::LINE_FLOOR);
+        if ratio > Thresholds::LINE_ABOVE {
             found.push((ratio, k));
         }
     }
@@ -200,7 +201,7 @@ fn refined(density: &[f64], k: usize) -> f64 {
 pub(crate) fn coherence(residual: &[f64], input: &[f64]) -> Option<f64> {
     let n = residual.len().min(input.len());
     let length = 2 * (n / 17);
-    if length < 16 {
+    if length < Thresholds::COHERENCE_ROWS {
         return None;
     }
     let (mut rr, mut uu) = (vec![0.0; length / 2], vec![0.0; length / 2]);

@@ -42,6 +42,7 @@ use crate::sentence::together;
 use crate::setting::{setting, simulated_span};
 use crate::steps::Steps;
 use crate::task::Task;
+use crate::thresholds::base::Thresholds as BaseThresholds;
 use crate::thresholds::belief::Thresholds as BeliefThresholds;
 use crate::thresholds::noise::Thresholds;
 use crate::{causal, excess_noise, offset, robust, second, shrink, start};
@@ -213,7 +214,8 @@ impl Run<'_> {
     /// where a reading that is noisier than stated is all of it.
     fn search(&self, task: &Task, library: &[Family], base: Base) -> Result<Searched, Error> {
         let Base { retuned, given, mut scale, position } = base;
-        let moves = position.half > 3.0 * scale.sigma && task.data.command_span.half > 0.0;
+        let moves = position.half > BaseThresholds::MOVES * scale.sigma
+            && task.data.command_span.half > 0.0;
         let is_open = has_gap(&retuned, scale.adequate);
         let is_asked = !self.request.without.iter().any(|n| n == effects::SENSOR_NOISE.name);
         let noise_ratio = (is_open && is_asked && task.noise.source == "given")

@@ -101,7 +101,7 @@ fn grid(values: &[f64]) -> Option<(f64, f64)> {
     let (mean_k, mean_y) = (numbers.iter().sum::<f64>() / n, levels.iter().sum::<f64>() / n);
     let pairs = || numbers.iter().zip(&levels).map(|(k, y)| (k - mean_k, y - mean_y));
     let size = pairs().map(|(k, y)| k * y).sum::<f64>() / pairs().map(|(k, _)| k * k).sum::<f64>();
-    if !(size.is_finite() && size > 4.0 * near) {
+    if !(size.is_finite() && size > Thresholds::GRID_STEP * near) {
         return None;
     }
     let phase = ((mean_y - size * mean_k) / size).rem_euclid(1.0);

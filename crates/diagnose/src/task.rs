@@ -121,7 +121,7 @@ pub(crate) fn assemble(
             let drop = request.drop.unwrap_or(0.0) * (1.0 - 1e-9);
             let is_run_in = |t: &&f64| *t - start < drop;
             let run_in = log.time()[rows.clone()].iter().take_while(is_run_in).count();
-            if rows.len() - run_in < 60 {
+            if rows.len() - run_in < Thresholds::RECORD_ROWS {
                 warnings.push(format!(
                     "{}, record {}: {}{} are too few to judge anything; it was left out",
                     log.origin(),
@@ -149,7 +149,8 @@ pub(crate) fn assemble(
     }
     if records.iter().all(|r| r.training == 0.0) {
         let log = request.logs.first().map_or("the logs", |log| log.origin()).to_owned();
-        return Err(Error::Log { log, message: "has no record of 60 rows or more".into() });
+        let message = format!("has no record of {} rows or more", Thresholds::RECORD_ROWS);
+        return Err(Error::Log { log, message });
     }
     if let Some(step) = step {
         check_steps(&records, step)?;

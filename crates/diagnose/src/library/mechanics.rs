@@ -115,21 +115,31 @@ fn damping(s: &Setting<'_>) -> Vec<Formula> {
 
 /// Frequencies over the band of the log, even on a logarithmic scale.
 fn frequencies(s: &Setting<'_>, count: usize) -> Vec<f64> {
-    let (low, high) = ((5.0 / s.length).max(0.002 / s.sample), 0.4 / s.sample);
+    let (low, high) = (
+        (Thresholds::MODE_START_PERIODS / s.length).max(Thresholds::MODE_STARTS.0 / s.sample),
+        Thresholds::MODE_STARTS.1 / s.sample,
+    );
     (0..count).map(|k| low * (high / low).powf((k as f64 + 0.5) / count as f64)).collect()
+}
+
+/// Lowest and highest frequency of a mode, or a modulation, that the log can show.
+fn band(s: &Setting<'_>) -> (f64, f64) {
+    (Thresholds::MODE_PERIODS / s.length, Thresholds::MODE_HIGHEST / s.sample)
 }
 
 /// A mode that the model lacks is lightly damped and lies apart from the model's own: a pair beside
 /// that one would be a shift of it, and a well damped one a lag.
 fn extra_mode(s: &Setting<'_>) -> Vec<Formula> {
-    let (low, high) = (0.5 / s.length, 0.49 / s.sample);
+    let (low, high) = band(s);
     let bands = match s.resonance {
-        Some(own) => vec![(1.15 * own, high), (low, 0.87 * own)],
+        Some(own) => {
+            vec![(Thresholds::MODE_APART.1 * own, high), (low, Thresholds::MODE_APART.0 * own)]
+        }
         None => vec![(low, high)],
     };
-    let damping = |name| Free::log(name, "1", 1e-3, 0.12);
+    let damping = |name| Free::log(name, "1", 1e-3, Thresholds::MODE_DAMPING);
     let mut all = Vec::new();
-    for (low, high) in bands.into_iter().filter(|(low, high)| 1.1 * low < *high) {
+    for (low, high) in bands.into_iter().filter(|(low, high)| Thresholds::MODE_BAND * low < *high) {
         let starts: Vec<f64> =
             frequencies(s, 24).into_iter().filter(|f| *f > low && *f < high).collect();
         let frequency = || Free::log("frequency", "Hz", low, high).step(2e-3);
@@ -201,13 +211,13 @@ fn weighted_mode(
     starts: usize,
 ) -> Formula {
     let count = weights.len();
-    let (low, high) = (0.5 / s.length, 0.49 / s.sample);
+    let (low, high) = band(s);
     let mut formula = Formula::new(name).screened(count).resonates(count);
     formula.starts_at_promise = true;
     let weight = |name: &&'static str| Free::linear(name, "1", -2.0, 2.0).step(1e-3);
     formula.parameters = weights.iter().map(weight).collect();
     formula.parameters.push(Free::log("frequency", "Hz", low, high).step(2e-3));
-    formula.parameters.push(Free::log("damping", "1", 1e-3, 0.12));
+    formula.parameters.push(Free::log("damping", "1", 1e-3, Thresholds::MODE_DAMPING));
     let start = |f: f64| [vec![1e-3; count], vec![f, 0.03]].concat();
     formula.starts(frequencies(s, starts).into_iter().map(start))
 }
@@ -355,17 +365,19 @@ fn fundamental(lines: &[f64], resolution: f64) -> Option<f64> {
     };
     // A train whose first line is hidden still has its second to fourth.
     let lowest = lines.iter().copied().fold(f64::INFINITY, f64::min);
-    let all = (1..=4).map(|part| lowest / f64::from(part)).filter(|f| *f > 4.0 * resolution);
+    let all = (1..=Thresholds::PULSE_FIRST)
+        .map(|part| lowest / f64::from(part))
+        .filter(|f| *f > Thresholds::PULSE_RESOLVED * resolution);
     let most = |a: &f64, b: &f64| orders(*a).len().cmp(&orders(*b).len()).then(a.total_cmp(b));
     let best = all.max_by(most)?;
     let orders = orders(best);
-    (orders.len() >= 3 && orders.iter().any(|order| *order > 3.0)).then_some(best)
+    let (least, above) = Thresholds::PULSE_SEEN;
+    (orders.len() >= least && orders.iter().any(|order| *order > above)).then_some(best)
 }
 
 fn modulation(s: &Setting<'_>) -> Formula {
-    let resolution = 0.5 / s.length;
-    let frequency =
-        Free::log("frequency", "Hz", resolution, 0.49 / s.sample).step(1e-3 * resolution);
+    let (low, high) = band(s);
+    let frequency = Free::log("frequency", "Hz", low, high).step(1e-3 * low);
     let mut f =
         Formula::new("gain that changes with time").starts(s.lines.iter().map(|f| vec![*f]));
     f.parameters = vec![frequency];

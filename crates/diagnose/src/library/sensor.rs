@@ -7,6 +7,7 @@ use super::Setting;
 use crate::formula::{Family, Formula, Free, Slot};
 use crate::nuisance::Nuisance;
 use crate::path_block::RecordBlock;
+use crate::thresholds::search::Thresholds;
 
 pub(super) fn add(s: &Setting<'_>, all: &mut Vec<Family>) {
     let mut family = Family::new(&effects::THERMAL_DRIFT, drift(s));
@@ -87,7 +88,9 @@ fn nonlinearity(s: &Setting<'_>) -> Vec<Formula> {
 fn hum(s: &Setting<'_>) -> Vec<Formula> {
     let nyquist = 0.5 / s.sample;
     let formula = |name, mains: f64, harmonics: usize| {
-        let width = (0.005 * mains).max(0.2 / s.length).min(0.02 * mains);
+        let width = (Thresholds::MAINS_OFF * mains)
+            .max(Thresholds::MAINS_OFF_SHORT / s.length)
+            .min(Thresholds::MAINS_OFF_MOST * mains);
         let frequency =
             Free::linear("frequency", "Hz", mains - width, mains + width).step(1e-3 / s.length);
         let mut f = Formula::new(name).start(&[mains]).screened(0);

@@ -12,6 +12,7 @@ use crate::error::Failed;
 use crate::fit::Fitter;
 use crate::score::{explained, mean_square};
 use crate::thresholds::belief::Thresholds;
+use crate::thresholds::search;
 
 /// What is left over the noise's power, on training and held-out rows alike.
 fn left(c: &Candidate) -> f64 {
@@ -373,7 +374,9 @@ impl Search<'_> {
                 || (s1 >= Thresholds::SCORE_WITH_POWER
                     && power >= Thresholds::POWER_CLEAR
                     && paired > Thresholds::BLOCKS_WITH_POWER);
-            return (s1 > 0.2 && paired > 3.0) || is_clear || self.is_fitted_well(base, after);
+            return (s1 > Thresholds::FIRST.0 && paired > Thresholds::FIRST.1)
+                || is_clear
+                || self.is_fitted_well(base, after);
         }
         let e0 = explained(&base.judged, &before.judged);
         let e1 = explained(&base.judged, &after.judged);
@@ -389,7 +392,7 @@ impl Search<'_> {
             && cut > Thresholds::CUT_TO_NOISE
             && explained(&before.judged, &after.judged) >= Thresholds::THIRD_TAKES;
         is_clear
-            || (paired > 4.0
+            || (paired > Thresholds::BLOCKS_FURTHER
                 && ((is_large && cut > Thresholds::CUT) || is_whole || is_sharp || is_rest))
     }
 
@@ -405,7 +408,10 @@ impl Search<'_> {
             };
             let top = looked.iter().find_map(|l| l.best.clone());
             match top {
-                Some(top) if top.rank < best.rank - 1.0 && swaps < Thresholds::MOST_SWAPS => {
+                Some(top)
+                    if top.rank < best.rank - search::Thresholds::RANK_BETTER
+                        && swaps < Thresholds::MOST_SWAPS =>
+                {
                     // The new member stands last; its list goes with it, and the others are new.
                     rivals.remove(slot);
                     rivals.push(looked);

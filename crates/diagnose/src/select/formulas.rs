@@ -7,6 +7,7 @@ use super::memo::Part;
 use crate::candidate::{Candidate, Looked};
 use crate::error::Failed;
 use crate::thresholds::fit::Thresholds;
+use crate::thresholds::search;
 
 impl Search<'_> {
     /// The same effects with the best other formula of the family of effect `slot`, where that is better.
@@ -54,7 +55,10 @@ impl Search<'_> {
         }
         let mut picks = from.picks.clone();
         picks[slot] = *best.picks.last().unwrap_or(&picks[slot]);
-        let better = self.refit(&best, picks).ok().filter(|c| c.rank < from.rank - 1.0);
+        let better = self
+            .refit(&best, picks)
+            .ok()
+            .filter(|c| c.rank < from.rank - search::Thresholds::RANK_BETTER);
         Ok(better)
     }
 

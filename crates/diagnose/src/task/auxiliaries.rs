@@ -7,6 +7,7 @@ use super::correlation;
 use crate::error::Error;
 use crate::port::Port;
 use crate::request::Request;
+use crate::thresholds::base::Thresholds;
 
 /// A column that is no input or output of the path that is looked at.
 pub(super) struct AuxColumn {
@@ -50,7 +51,7 @@ pub(super) fn auxiliaries(
                 || looks_like_command(&c.name, c.unit.as_ref().map(|u| u.unit), &inputs[input]);
             let is_warmth = c.unit.as_ref().is_some_and(|u| u.unit.exponents == KELVIN)
                 || c.name.to_lowercase().contains("temp");
-            let apart = correlation(&c.values, command).abs() < 0.95;
+            let apart = correlation(&c.values, command).abs() < Thresholds::AUXILIARY_ALIKE;
             (moves && apart && (is_command || is_warmth))
                 .then(|| AuxColumn { column: c.name.clone(), is_command })
         })

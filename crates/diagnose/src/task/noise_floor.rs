@@ -53,7 +53,7 @@ pub(super) fn floor(
     };
     // What was said may hold the rounding.
     let steps = steps.and_then(|steps| match sigma.filter(|_| source == "given") {
-        Some(given) if factor * given > 0.9 * steps.rounding() => None,
+        Some(given) if factor * given > Thresholds::HOLDS_ROUNDING * steps.rounding() => None,
         Some(given) => Some(steps.with_noise(factor * given)),
         None => Some(steps),
     });

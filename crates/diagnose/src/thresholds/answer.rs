@@ -68,4 +68,56 @@ impl Thresholds {
     pub(crate) const RATIO_SPREAD: f64 = 0.35;
     /// Rows of a stretch on which single waves can be seen.
     pub(crate) const STRETCH_SHOWN: usize = 600;
+    /// Gap, in powers of the noise, below which no part of it is stated.
+    pub(crate) const GAP_LEAST: f64 = 0.1;
+    /// Student's 97.5 % over the normal one, about, for one record, two, three, four, and more.
+    pub(crate) const STUDENT: [f64; 5] = [3.0, 2.2, 1.5, 1.5, 1.2];
+    /// What the noise spreads of a new record's mean square, and its variance may be off, in powers of the noise.
+    pub(crate) const NOISE_SPREAD: f64 = 0.12;
+    /// Least distance of the ends of an interval from the part that is stated.
+    pub(crate) const INTERVAL_LEAST: f64 = 0.01;
+    /// Noise from differences of periods, over the one that is used, above which the answer states it.
+    pub(crate) const PERIODS_MORE: f64 = 2.0;
+    /// Mean square of a gap, over that up to which nothing is left, below which an estimated noise may be all of it.
+    pub(crate) const GAP_SMALL: f64 = 4.0;
+    /// Frequency, over half the sample rate, up to which a triangle is one.
+    pub(crate) const EXPERIMENT_TRIANGLE: f64 = 0.1;
+    /// Frequency, over half the sample rate, up to which a triangle has as many turns as may be.
+    pub(crate) const EXPERIMENT_TURNS: f64 = 0.05;
+    /// Part of a signal's size below which its name says that it was made smaller.
+    pub(crate) const EXPERIMENT_SMALLER: f64 = 0.995;
+    /// How many times as steep as the logs a signal is from which its name says so.
+    pub(crate) const EXPERIMENT_STATED: f64 = 1.005;
+    /// Least rows of a part of the range in which a gap is judged.
+    pub(crate) const RANGE_ROWS: usize = 50;
+    /// Half of the middle of the range, and where its ends begin, over half the range.
+    pub(crate) const RANGE_PARTS: (f64, f64) = (0.4, 0.6);
+    /// Power in one part of the range or the record, over that in the others, from which the gap is mostly there.
+    pub(crate) const MOSTLY: f64 = 4.0;
+    /// Power at both ends of the range over that in its middle, or the other way round, from which the gap is there.
+    pub(crate) const CLEARLY: f64 = 2.0;
+    /// Least rows on a branch at a level of the command.
+    pub(crate) const BRANCH_ROWS: f64 = 20.0;
+    /// Least levels of the command that have both branches.
+    pub(crate) const BRANCH_FEWEST: f64 = 4.0;
+    /// Mean square of the branches, in powers of the noise, below which they show nothing.
+    pub(crate) const BRANCH_NOTHING: f64 = 0.1;
+    /// Power of what is opposite on both branches over that of what is the same, or the other way round, from which the
+    /// gap is one of them.
+    pub(crate) const BRANCH_MOSTLY: f64 = 3.0;
+    /// Part of the gap's power above which a curve over the command is a static map.
+    pub(crate) const BRANCH_MAP: f64 = 0.5;
+    /// Least rows of a quarter of a record in which a gap is judged.
+    pub(crate) const QUARTER_ROWS: usize = 20;
+    /// Part of the gap's power in the means of eighths of a record above which it is slow.
+    pub(crate) const SLOW: f64 = 0.5;
+    /// Coherence of a residual with a function of the command above which the command causes it.
+    pub(crate) const COHERENT: f64 = 0.25;
+    /// Lines that a frequency response has on a page.
+    pub(crate) const RESPONSE_LINES: usize = 1000;
+    /// Power of a command, over its greatest, from which a line of it shows a response: a triangle and a chirp in one
+    /// record differ by this much.
+    pub(crate) const RESPONSE_BAND: f64 = 1e-6;
+    /// Lines below which a response says nothing.
+    pub(crate) const RESPONSE_FEWEST: usize = 8;
 }

@@ -64,8 +64,9 @@ impl Thresholds {
     pub(crate) const MONITOR_LIKE: f64 = 0.9;
     /// How far the slope of a monitor against the command may be from 1: a monitor in another scale is none.
     pub(crate) const MONITOR_SCALE: f64 = 0.25;
-    /// Sets of commands, and values of a coupling's parameters with each, for which the sum over the other axes is kept.
+    /// Sets of commands for which the sum over the other axes of a coupling is kept.
     pub(crate) const COMMANDS_KEPT: usize = 4;
+    /// Values of a coupling's parameters for which that sum is kept, with each set of commands.
     pub(crate) const SUMS_KEPT: usize = 6;
     /// Parameters of one array that are free one by one; a longer array is free in groups.
     pub(crate) const MOST_OF_ARRAY: usize = 12;
@@ -133,4 +134,10 @@ impl Thresholds {
     pub(crate) const OWN_KNOTS: usize = 32;
     /// Ridge of the regression, over the largest power of a function.
     pub(crate) const COURSE_RIDGE: f64 = 1e-4;
+    /// Half range of the simulated output, over the noise, above which the command moves the machine.
+    pub(crate) const MOVES: f64 = 3.0;
+    /// Least rows of a record behind its run-in: fewer are too few to judge anything.
+    pub(crate) const RECORD_ROWS: usize = 60;
+    /// Correlation with the command from which a column is no auxiliary signal of its own.
+    pub(crate) const AUXILIARY_ALIKE: f64 = 0.95;
 }

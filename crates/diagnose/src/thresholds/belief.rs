@@ -110,4 +110,16 @@ impl Thresholds {
     /// Error that a further effect takes away, over what is left at last, where it is as likely an effect as a repair
     /// of the others' formulas.
     pub(crate) const REPAIRED: f64 = 30.0;
+    /// Score, and standard errors by which the blocks must be better with it, that are enough for a first effect.
+    pub(crate) const FIRST: (f64, f64) = (0.2, 3.0);
+    /// Standard errors by which the blocks must be better with a further effect.
+    pub(crate) const BLOCKS_FURTHER: f64 = 4.0;
+    /// Groups of blocks, each of which is predicted by the others.
+    pub(crate) const CAUSED_FOLDS: usize = 8;
+    /// Low-passes of the command, and of the reading, that may cause what is left.
+    pub(crate) const CAUSED_LOW_PASSES: usize = 7;
+    /// Band-passes of the reading that may cause what is left.
+    pub(crate) const CAUSED_BANDS: usize = 10;
+    /// Triangles over each range that may cause what is left.
+    pub(crate) const CAUSED_TRIANGLES: usize = 9;
 }

@@ -38,4 +38,6 @@ impl Thresholds {
     pub(crate) const ROBUST_HALF: f64 = 2.0;
     /// Fits of a robust fit.
     pub(crate) const ROBUST_ROUNDS: usize = 2;
+    /// Least rows that count as independent.
+    pub(crate) const LEAST_EFFECTIVE: f64 = 50.0;
 }

@@ -51,4 +51,30 @@ impl Thresholds {
     /// Noise from differences of periods over noise from differences of neighbours, below which the command fills the
     /// whole band and the periods show the noise.
     pub(crate) const PERIODS_RICH: f64 = 0.5;
+    /// Least part of the variance of the noise that is white.
+    pub(crate) const LEAST_WHITE: f64 = 0.05;
+    /// Least rows of the longest record at rest that shows a noise.
+    pub(crate) const REST_ROWS: usize = 64;
+    /// Least lines of a band of which those that stand out are left out.
+    pub(crate) const TRIMMED_LINES: usize = 5;
+    /// Power of a line, over the median of its band, above which it stands out.
+    pub(crate) const TRIMMED_ABOVE: f64 = 5.0;
+    /// Fall of [`Self::TRIMMED_MEAN`] from 1 with each line of a band of few.
+    pub(crate) const TRIMMED_FALL: f64 = 0.03;
+    /// Least lines of a band in which a record shows the slow part of the noise.
+    pub(crate) const COLOUR_LINES: usize = 3;
+    /// Highest frequency at which the slow part of the noise is looked for, over half the sample rate.
+    pub(crate) const COLOUR_BELOW: f64 = 0.1;
+    /// Least differences of rows that show a noise.
+    pub(crate) const DIFFERENCES: usize = 20;
+    /// Rows of repeated periods above which they show a noise.
+    pub(crate) const REPEATED_ROWS: usize = 50;
+    /// Part of its range within which a command repeats.
+    pub(crate) const REPEATED_NEAR: f64 = 5e-4;
+    /// Part of its range by which a command moves within a period.
+    pub(crate) const REPEATED_MOVES: f64 = 0.1;
+    /// Stated noise over that of the rounding alone, above which it holds the rounding.
+    pub(crate) const HOLDS_ROUNDING: f64 = 0.9;
+    /// Least step of a grid of readings, over what values of single precision are off.
+    pub(crate) const GRID_STEP: f64 = 4.0;
 }

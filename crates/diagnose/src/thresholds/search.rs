@@ -123,9 +123,9 @@ impl Thresholds {
     pub(crate) const AWAY_MOVED: usize = 3;
     /// Shifts from which a released parameter of the model starts elsewhere, in parts of its value.
     pub(crate) const RELEASED_SHIFTS: [f64; 6] = [-0.03, 0.03, -0.07, 0.07, -0.15, 0.15];
-    /// Least and greatest place of a resonance that is looked for along the range, over the model's, and the step from one
-    /// to the next: about the width of a light mode.
+    /// Least and greatest place of a resonance that is looked for along the range, over the model's.
     pub(crate) const RESONANCE_RANGE: [f64; 2] = [0.3, 3.0];
+    /// Ratio of a place along the range to the one before: about the width of a light mode.
     pub(crate) const RESONANCE_STEP: f64 = 1.03;
     /// Most that such a place leaves, over what the fit left.
     pub(crate) const RESONANCE_LEFT: f64 = 2.0;
@@ -139,6 +139,66 @@ impl Thresholds {
     pub(crate) const PARTS_KEPT: usize = 40;
     /// Relative difference of the mean squares up to which two fits of the same effects are one.
     pub(crate) const PARTS_SAME: f64 = 1e-3;
+    /// Root mean square that a model leaves, over half the range of the readings, from which nearly all is loop.
+    pub(crate) const ALL_LOOP: f64 = 0.2;
+    /// Fall of the rank from which another formula of an effect, or another effect in its place, is better.
+    pub(crate) const RANK_BETTER: f64 = 1.0;
+    /// Least rows of a block in which residuals are compared.
+    pub(crate) const JUDGED_ROWS: usize = 20;
+    /// Least blocks whose losses are compared.
+    pub(crate) const PAIRED_BLOCKS: f64 = 4.0;
+    /// Mean square of a block, over the noise's, below which less is no better.
+    pub(crate) const PAIRED_FLOOR: f64 = 0.5;
+    /// Most correlation of neighbouring blocks that widens the error of their mean.
+    pub(crate) const PAIRED_ALIKE: f64 = 0.9;
+    /// Coherence, times the segments, from which a peak of an answer is no noise: that alone has one.
+    pub(crate) const PEAK_COHERENT: f64 = 5.0;
+    /// Least lines of a spectrum in which lines are looked for.
+    pub(crate) const LINE_SPECTRUM: usize = 32;
+    /// Part of the spectrum beside a line whose median it is compared with.
+    pub(crate) const LINE_BESIDE: usize = 100;
+    /// Least and most lines of that part.
+    pub(crate) const LINE_BESIDE_LINES: (usize, usize) = (8, 200);
+    /// Least density of what is beside a line, over the noise's.
+    pub(crate) const LINE_FLOOR: f64 = 0.1;
+    /// Least height of a line over the median beside it.
+    pub(crate) const LINE_ABOVE: f64 = 30.0;
+    /// Least rows of a segment from which a coherence is estimated.
+    pub(crate) const COHERENCE_ROWS: usize = 16;
+    /// Lines of a command that are looked for in the residual.
+    pub(crate) const COMMAND_LINES: usize = 40;
+    /// Highest multiple of a command's strongest line that is an answer to it.
+    pub(crate) const COMMAND_ORDERS: f64 = 20.0;
+    /// Part of the frequency within which a line is one of the mains.
+    pub(crate) const MAINS_NEAR: f64 = 0.01;
+    /// Highest multiple of the mains.
+    pub(crate) const MAINS_ORDERS: i32 = 6;
+    /// How far the frequency of the mains may be off, relative.
+    pub(crate) const MAINS_OFF: f64 = 0.005;
+    /// How far it may be off in a short record, in periods of the longest record.
+    pub(crate) const MAINS_OFF_SHORT: f64 = 0.2;
+    /// How far it may be off in any record, relative.
+    pub(crate) const MAINS_OFF_MOST: f64 = 0.02;
+    /// Least periods in the longest record of a mode from which a fit starts.
+    pub(crate) const MODE_START_PERIODS: f64 = 5.0;
+    /// Lowest and highest frequency of a mode from which a fit starts, times the sample time.
+    pub(crate) const MODE_STARTS: (f64, f64) = (0.002, 0.4);
+    /// Least periods in the longest record of a mode, or a modulation, that is missing.
+    pub(crate) const MODE_PERIODS: f64 = 0.5;
+    /// Highest frequency of a mode, or a modulation, that is missing, times the sample time.
+    pub(crate) const MODE_HIGHEST: f64 = 0.49;
+    /// Greatest damping of a mode that is missing: one that is damped more is a lag.
+    pub(crate) const MODE_DAMPING: f64 = 0.12;
+    /// Frequencies over the model's own up to which, and from which on, a missing mode is no shift of it.
+    pub(crate) const MODE_APART: (f64, f64) = (0.87, 1.15);
+    /// Least ratio of the ends of a band in which a missing mode is looked for.
+    pub(crate) const MODE_BAND: f64 = 1.1;
+    /// Lines that a train of pulses has at least, and the order that one of them must be above.
+    pub(crate) const PULSE_SEEN: (usize, f64) = (3, 3.0);
+    /// Order up to which the lowest line of a train of pulses may be that is seen.
+    pub(crate) const PULSE_FIRST: i32 = 4;
+    /// Least frequency of a train of pulses, over the resolution.
+    pub(crate) const PULSE_RESOLVED: f64 = 4.0;
 
     /// Places along the range, over the model's.
     pub(crate) fn resonance_places() -> impl Iterator<Item = f64> {
@@ -146,6 +206,4 @@ impl Thresholds {
         let steps = ((greatest / least).ln() / Self::RESONANCE_STEP.ln()).ceil() as i32;
         (0..=steps).map(move |k| least * Self::RESONANCE_STEP.powi(k))
     }
-    /// Root mean square that a model leaves, over half the range of the readings, from which nearly all is loop.
-    pub(crate) const ALL_LOOP: f64 = 0.2;
 }
