@@ -1,16 +1,18 @@
 //! The diagnosis of one output, stage by stage.
 //!
 //! ```text
-//! task ─▶ noise ─▶ base ─▶ search ─▶ belief ─▶ repair ─▶ outcome       (the answer is put together in `answer`)
+//! task ─▶ noise ─▶ base ─▶ search ─▶ belief ─▶ repair ─▶ outcome
 //! ```
 //!
 //! | stage | takes | gives |
 //! |---|---|---|
 //! | noise | the logs and the model | size and colour of the noise, and up to which error nothing is left |
 //! | base | the noise | the re-tuned model and the model as given, both judged by that noise |
-//! | search | the base | the effects that are found, with the rivals of each |
+//! | search | the base | the effects that can act, and those that are found, with the rivals of each |
 //! | belief | what was found | the same under the noise that the effects reveal, and the verdict |
 //! | repair | what is believed | the offset and the evidence that belong to the repaired model |
+//!
+//! From the outcomes of all outputs `answer` puts the answer together.
 
 mod again;
 mod noise_level;
@@ -55,12 +57,10 @@ pub(crate) fn of(task: Task, request: &Request, count: &AtomicU64) -> Result<Out
     let memo = Memo::default();
     let run = Run { request, count, memo: &memo };
     let (task, level) = run.noise(task)?;
-    let base = run.base(&task, level)?;
-    let (task, base) = run.over_all_rows(task, base);
-    let (task, library) = run.library(task, &base);
-    let searched = run.search(&task, &library, base)?;
-    let (task, believed) = run.belief(task, &library, searched);
-    let outcome = run.repair(task, library, believed);
+    let (task, base) = run.base(task, level)?;
+    let (task, searched) = run.search(task, base)?;
+    let (task, believed) = run.belief(task, searched);
+    let outcome = run.repair(task, believed);
     if !drifts_alike(&outcome) {
         return Ok(outcome);
     }
@@ -121,6 +121,8 @@ struct Base {
 
 /// What was found.
 struct Searched {
+    /// The effects that can act in these logs.
+    library: Vec<Family>,
     found: Found,
     given: Judged,
     scale: Scale,
@@ -154,22 +156,23 @@ impl Run<'_> {
         Ok((task, Level { shape, sure, retuned, guess }))
     }
 
-    /// Base: the re-tuned model and the model as given, in standard deviations of the noise. Nothing is fitted again.
-    fn base(&self, task: &Task, level: Level) -> Result<Base, Error> {
+    /// Base: the re-tuned model and the model as given, in standard deviations of the noise. Nothing is fitted again, unless
+    /// the fitted rows do not determine the parameters.
+    fn base(&self, task: Task, level: Level) -> Result<(Task, Base), Error> {
         let Level { shape, sure, retuned, guess } = level;
         let sigma = task.noise.sigma * task.factor;
-        let scale = Scale::new(task, shape, sigma, sure, self.request);
-        let search = self.search_in(task, &[], &scale);
-        let retuned = search.judged_again(retuned, sigma / guess).map_err(|_| cannot_run(task))?;
+        let scale = Scale::new(&task, shape, sigma, sure, self.request);
+        let search = self.search_in(&task, &[], &scale);
+        let retuned = search.judged_again(retuned, sigma / guess).map_err(|_| cannot_run(&task))?;
         let values = vec![0.0; retuned.chain.parameters.len()];
         let given = scale.judge.judge(&retuned.chain, &values, &task.data, sigma, self.count);
-        let given = given.map_err(|_| cannot_run(task))?;
+        let given = given.map_err(|_| cannot_run(&task))?;
         let position = simulated_span(&retuned, &task.data, self.count);
         let position = position.unwrap_or(task.data.output_span);
-        Ok(Base { retuned, given, scale, position })
+        Ok(self.over_all_rows(task, Base { retuned, given, scale, position }))
     }
 
-    /// Base: the model fitted to all rows, where that leaves nothing. Parameters that the fitted rows do not determine predict
+    /// The base with the model fitted to all rows, where that leaves nothing. Parameters that the fitted rows do not determine predict
     /// nothing: what they leave on the held-out rows is no missing effect.
     fn over_all_rows(&self, mut task: Task, base: Base) -> (Task, Base) {
         let Base { retuned, scale, .. } = &base;
@@ -198,21 +201,28 @@ impl Run<'_> {
         (task, Base { retuned: all, ..base })
     }
 
-    /// The effects that can act in these logs, and the task without the steps of the reading that the model makes.
-    fn library(&self, mut task: Task, base: &Base) -> (Task, Vec<Family>) {
-        let Base { retuned, scale, position, .. } = base;
+    /// Search: the effects that explain the gap, each with its rivals, among those that can act in these logs. The task
+    /// loses steps of the reading that the model makes.
+    fn search(&self, mut task: Task, base: Base) -> Result<(Task, Searched), Error> {
+        let Base { retuned, scale, position, .. } = &base;
         task.steps = task.steps.filter(|_| !moves_in_steps(&task, retuned, scale.sigma));
         let setting = setting(&task, retuned, *position, scale.sigma);
         let mut library = library::families(&setting, &self.request.without);
         // The values show the steps better than any fit.
         library
             .retain(|f| task.steps.is_none() || f.effect.name != effects::SENSOR_QUANTISATION.name);
-        (task, library)
+        let searched = self.search_among(&task, library, base)?;
+        Ok((task, searched))
     }
 
-    /// Search: the effects that explain the gap, each with its rivals. Nothing is searched where no error is left, or
-    /// where a reading that is noisier than stated is all of it.
-    fn search(&self, task: &Task, library: &[Family], base: Base) -> Result<Searched, Error> {
+    /// The search among these effects. Nothing is searched where no error is left, or where a reading that is noisier than
+    /// stated is all of it.
+    fn search_among(
+        &self,
+        task: &Task,
+        library: Vec<Family>,
+        base: Base,
+    ) -> Result<Searched, Error> {
         let Base { retuned, given, mut scale, position } = base;
         let moves = position.half > BaseThresholds::MOVES * scale.sigma
             && task.data.command_span.half > 0.0;
@@ -223,17 +233,17 @@ impl Run<'_> {
             .flatten();
         let found = if is_open && noise_ratio.is_none() {
             scale.judge.is_course_own = own_course::is_own(&task.data, &retuned.judged.residual);
-            self.search_in(task, library, &scale).run(retuned).map_err(|_| cannot_run(task))?
+            self.search_in(task, &library, &scale).run(retuned).map_err(|_| cannot_run(task))?
         } else {
             Found::nothing(retuned)
         };
-        Ok(Searched { found, given, scale, moves, noise_ratio })
+        Ok(Searched { library, found, given, scale, moves, noise_ratio })
     }
 
     /// Belief: what was found, judged by the noise that the effects reveal, and the verdict.
-    fn belief(&self, task: Task, library: &[Family], searched: Searched) -> (Task, Believed) {
-        let (mut task, searched) = self.with_quieter_noise(task, library, searched);
-        let Searched { found, given, scale, moves, noise_ratio } = &searched;
+    fn belief(&self, task: Task, searched: Searched) -> (Task, Believed) {
+        let (mut task, searched) = self.with_quieter_noise(task, searched);
+        let Searched { library, found, given, scale, moves, noise_ratio } = &searched;
         let is_left =
             |steps: &Steps| steps.share(&found.last.judged, scale.sigma) > Thresholds::STEPS_NAMED;
         task.steps = task.steps.filter(is_left);
@@ -265,9 +275,9 @@ impl Run<'_> {
 
     /// Repair: what belongs to the repaired model beside its effects, and the evidence for it: the offset that the
     /// records share, the residual for the maps, and the prediction of complete records.
-    fn repair(&self, task: Task, library: Vec<Family>, believed: Believed) -> Outcome {
+    fn repair(&self, task: Task, believed: Believed) -> Outcome {
         let Believed { searched, verdict, has_gap } = believed;
-        let Searched { found, given, scale, noise_ratio, .. } = searched;
+        let Searched { library, found, given, scale, noise_ratio, .. } = searched;
         let fitter = self.search_in(&task, &library, &scale).fitter();
         let robust = (has_gap && noise_ratio.is_none())
             .then(|| robust::residual(fitter, &scale.judge, &found.base))
@@ -327,18 +337,13 @@ impl Run<'_> {
 
     /// Under noise that the effects reveal to be less than it was taken for, more may be seen: the search is made
     /// again from there. Where it cannot be, what was found stands.
-    fn with_quieter_noise(
-        &self,
-        mut task: Task,
-        library: &[Family],
-        searched: Searched,
-    ) -> (Task, Searched) {
+    fn with_quieter_noise(&self, mut task: Task, searched: Searched) -> (Task, Searched) {
         let Some((ratio, shape)) = quieter(&task, &searched.found) else { return (task, searched) };
-        let Searched { mut found, given, scale, moves, noise_ratio } = searched;
+        let Searched { library, mut found, given, scale, moves, noise_ratio } = searched;
         let is_course_own = scale.judge.is_course_own;
         let mut scale = Scale::new(&task, shape, ratio * scale.sigma, scale.sure, self.request);
         scale.judge.is_course_own = is_course_own;
-        let search = self.search_in(&task, library, &scale);
+        let search = self.search_in(&task, &library, &scale);
         let given = given.residual.iter().map(|r| r / ratio).collect();
         let given = scale.judge.figures(given, &task.data);
         found.each(|c| *c = search.in_units(c.clone(), ratio));
@@ -349,7 +354,7 @@ impl Run<'_> {
         }
         task.noise.sigma *= ratio;
         task.noise.corner = Some(shape.corner).filter(|c| *c > 0.0);
-        (task, Searched { found, given, scale, moves, noise_ratio })
+        (task, Searched { library, found, given, scale, moves, noise_ratio })
     }
 
     fn search_in<'b>(

@@ -71,8 +71,8 @@ impl Run<'_> {
         let position = simulated_span(&found.base, &task.data, self.count);
         let position = position.unwrap_or(task.data.output_span);
         let base = Base { retuned: found.base, given, scale, position };
-        let searched = self.search(&task, &library, base)?;
-        let (task, believed) = self.belief(task, &library, searched);
-        Ok(self.repair(task, library, believed))
+        let searched = self.search_among(&task, library, base)?;
+        let (task, believed) = self.belief(task, searched);
+        Ok(self.repair(task, believed))
     }
 }
