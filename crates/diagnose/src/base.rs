@@ -328,7 +328,7 @@ impl Base {
         chain::joint(&self.nodes).map(|(_, joint)| joint)
     }
 
-    /// The same with other fronts of some of the other axes.
+    /// The model with other fronts of some of the other axes.
     pub(crate) fn with_fronts(&self, fronts: &BTreeMap<usize, Front>) -> Self {
         let mut base = self.clone();
         for node in &mut base.nodes {

@@ -354,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_said_is_not_open() {
+    fn what_is_given_is_not_open() {
         assert_eq!(Course::given(Some(Between::Line), None).reading, Reading::With);
         let (held, nothing) = (Course::default(), (None, None));
         let open = Course::open(held, nothing, false);

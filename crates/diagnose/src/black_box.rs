@@ -93,12 +93,12 @@ impl BlackBox {
         Self { shared, times, known, parameters: Vec::new(), links: Vec::new() }
     }
 
-    /// As `new`, for records with these times.
+    /// The FMU for records with these times.
     pub(crate) fn over(&self, times: Times) -> Self {
         Self { times: Arc::new(times), known: Arc::default(), ..self.clone() }
     }
 
-    /// As `over`, with one parameter moved by this much.
+    /// The FMU with one parameter moved by this much.
     pub(crate) fn with(&self, parameter: usize, shift: f64) -> Self {
         let mut moved = self.clone();
         if let Some(own) = moved.parameters.get_mut(parameter) {
@@ -134,8 +134,8 @@ impl BlackBox {
         shared.fmu.instantiate(shared.name(), &options)
     }
 
-    /// As [`Self::run_anew`], where this very run is not known: what stands behind an FMU changes far more often than
-    /// what drives it.
+    /// Runs a record where this very run is not known: what stands behind an FMU changes far more often than what drives
+    /// it.
     pub(crate) fn run(
         &self,
         theta: &[f64],

@@ -162,7 +162,7 @@ pub(crate) struct Bench<'a> {
     horizon: Horizon,
     /// Signals behind each node at the kept point.
     edges: Arc<Vec<Vec<f64>>>,
-    /// As `edges`, at a point beside it.
+    /// Signals behind each node at a point beside the kept one.
     aside: Vec<Vec<f64>>,
     at: Option<Vec<f64>>,
     count: &'a AtomicU64,
@@ -180,7 +180,7 @@ impl<'a> Bench<'a> {
         Self { chain, data, horizon, edges, aside: signals(), at: None, count }
     }
 
-    /// The same about the kept point, for points beside it.
+    /// A bench with the same kept point, for points beside it.
     pub(crate) fn at_kept_point(&self) -> Self {
         let aside = vec![Vec::new(); self.chain.nodes.len()];
         Self { edges: Arc::clone(&self.edges), aside, at: self.at.clone(), ..*self }

@@ -126,7 +126,7 @@ pub(crate) fn tasks(
 /// parameters as they need.
 ///
 /// # Errors
-/// As [`stages::of`].
+/// [`Error::Model`]: a model that cannot be simulated over the logs.
 pub(crate) fn in_readings(
     outcomes: &mut Vec<Outcome>,
     request: &Request,

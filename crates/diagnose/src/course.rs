@@ -146,7 +146,7 @@ impl Readings<'_> {
         self.answer_of(course, data, self.fresh.max_effects)
     }
 
-    /// As `answer`, of at most so many effects.
+    /// The answer of at most so many effects under a command that was played so.
     fn answer_of(&self, course: Course, data: &DataSet, max_effects: usize) -> Option<Outcome> {
         let task = Task { course, data: data.played(course), max_effects, ..self.fresh.clone() };
         stages::of(task, self.request, self.count).ok()
@@ -403,7 +403,7 @@ fn held_out(o: &Outcome) -> f64 {
     o.found.last.judged.held_out * o.sigma.powi(2)
 }
 
-/// As `held_out`, without the mode of the answer.
+/// Mean square in SI of what the answer leaves on held-out rows without its mode.
 fn without_mode(o: &Outcome) -> Option<f64> {
     let is_mode =
         |(family, _): &(usize, usize)| o.library[*family].effect.name == effects::EXTRA_MODE.name;

@@ -277,15 +277,15 @@ impl DataSet {
         self.in_parts(parts, 0)
     }
 
-    /// As `finer`, for readings within the rows of a held command, the last of which acts for a row, too; none where
-    /// the model does not take one step from each row to the next.
+    /// The records on a grid with `parts` steps in the place of each, for readings within the rows of a held command, the
+    /// last of which acts for a row, too; none where the model does not take one step from each row to the next.
     pub(crate) fn within_rows(&self, parts: usize) -> Option<Self> {
         let is_one = |record: &RecordData| record.steps_per_row() == Some(1);
         let are_given = self.records.iter().all(is_one) && self.aux.is_empty();
         are_given.then(|| Self { within: Some(parts), ..self.in_parts(parts, parts) })
     }
 
-    /// As `finer`, with so many steps more behind each record.
+    /// The records on a grid with `parts` steps in the place of each, and so many more behind each record.
     fn in_parts(&self, parts: usize, behind: usize) -> Self {
         let mut all = self.clone();
         // A record has its rest, and its steps.

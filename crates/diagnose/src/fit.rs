@@ -80,7 +80,7 @@ impl<'a> Fitter<'a> {
     /// Fits from these coordinates, with all sensitivities at each turn's own point in the end.
     ///
     /// # Errors
-    /// The chain cannot be simulated there.
+    /// [`Failed`]: the chain cannot be simulated there.
     pub(crate) fn fit(self, chain: &'a Chain, start: &[f64]) -> Result<Fit, Failed> {
         self.work(chain).fit(start, None, true)
     }
@@ -88,16 +88,16 @@ impl<'a> Fitter<'a> {
     /// Fits again from what was fitted to other rows or with other weights.
     ///
     /// # Errors
-    /// As [`Fitter::fit`].
+    /// [`Failed`]: the chain cannot be simulated there.
     pub(crate) fn fit_again(self, chain: &'a Chain, start: &[f64]) -> Result<Fit, Failed> {
         self.work(chain).fit(start, None, false)
     }
 
-    /// As [`Fitter::fit`]; a chain with an FMU of many parameters begins with the sensitivities that are known from
+    /// Fits with all sensitivities at each turn's own point in the end. A chain with an FMU of many parameters begins with the sensitivities that are known from
     /// another chain, and does not get its own where it leaves far more than a mean square of `best`.
     ///
     /// # Errors
-    /// As [`Fitter::fit`].
+    /// [`Failed`]: the chain cannot be simulated there.
     pub(crate) fn fit_from(
         self,
         chain: &'a Chain,
@@ -112,11 +112,11 @@ impl<'a> Fitter<'a> {
         work.fit(start, Some(known), true)
     }
 
-    /// As [`Fitter::fit`] with the sensitivities that are known from another chain, which are not computed
-    /// again: near enough to choose among candidates.
+    /// Fits with the sensitivities that are known from another chain, which are not computed again: near enough to
+    /// choose among candidates.
     ///
     /// # Errors
-    /// As [`Fitter::fit`].
+    /// [`Failed`]: the chain cannot be simulated there.
     pub(crate) fn fit_quickly(
         self,
         chain: &'a Chain,

@@ -123,11 +123,12 @@ pub struct Partial {
     pub effect: NamedEffect,
     /// Held-out root mean square of the re-tuned model.
     pub rms_before: f64,
-    /// As `rms_before`, with the effect as a model can predict it.
+    /// Held-out root mean square with the effect as a model can predict it.
     pub rms_after: f64,
     /// Unit of both.
     pub unit: String,
-    /// As [`Shrink::own_course`], where the candidate is a drift that no model predicts. Null otherwise.
+    /// Fraction with the course of a drift taken from the rows around each row, where the candidate is a drift that no
+    /// model predicts. Null otherwise.
     #[serde(default)]
     pub own_course: Option<f64>,
 }
@@ -209,7 +210,7 @@ pub struct Shrink {
     pub unit: String,
     /// Root mean square of the held-out residual of the re-tuned model.
     pub rms_before: f64,
-    /// As `rms_before`, with the effects added.
+    /// Root mean square of the held-out residual with the effects added.
     pub rms_after: f64,
     /// Standard deviation of the noise.
     pub noise_floor: f64,
@@ -224,7 +225,7 @@ pub struct Shrink {
     pub relative_gap: f64,
     /// Figures per held-out stretch.
     pub holdout: Vec<HeldOut>,
-    /// As `holdout`, with whole records left out of the fit; null where logs were given to be held out,
+    /// Figures with complete records left out of the fit; null where logs were given to be held out,
     /// where there are less than three records, or where no effect is named.
     pub second_opinion: Option<SecondOpinion>,
     /// `fraction` with the effects' formulas as they were found, where a repaired blueprint was written:
@@ -266,7 +267,7 @@ pub struct HeldOut {
     pub rows: [usize; 2],
     /// Root mean square before.
     pub rms_before: f64,
-    /// And after.
+    /// Root mean square after.
     pub rms_after: f64,
     /// Fraction of the gap that goes; null where there was none.
     pub fraction: Option<f64>,
@@ -311,7 +312,7 @@ pub struct Leftover {
 pub struct Discrepancy {
     /// Root mean square in the output's unit.
     pub rms: f64,
-    /// As `rms`, over the range of the measured output.
+    /// Root mean square over the range of the measured output.
     pub of_range: f64,
     /// Time in s after which it is another one: its correlation falls as exp(−t/T).
     pub time: f64,

@@ -220,10 +220,10 @@ pub fn diagnose(request: &Request, observer: &mut dyn Observer) -> Result<Gap, E
     Ok(examine(request, observer)?.gap)
 }
 
-/// As [`diagnose`], with the page and the repair.
+/// Diagnoses the gap between a model and measured logs, with what the page and the repair need.
 ///
 /// # Errors
-/// As [`diagnose`].
+/// [`Error`]: logs, names, options or models that do not go together.
 pub fn examine(request: &Request, observer: &mut dyn Observer) -> Result<Diagnosis, Error> {
     let pool =
         numerics::threads::pool(request.threads).map_err(|_| Error::Threads(request.threads))?;

@@ -47,11 +47,11 @@ pub(crate) struct Setting<'a> {
     pub(crate) resonance: Option<f64>,
     /// Converters that may have rounded the command: steps over its range, phase.
     pub(crate) steps: Vec<(f64, f64)>,
-    /// As `steps`, with codes missing.
+    /// Converter of the command with codes missing.
     pub(crate) gaps: Option<Gaps>,
     /// Converters that may have rounded the reading: steps over the range of the position, phase.
     pub(crate) reading_steps: Vec<(f64, f64)>,
-    /// As `reading_steps`, with codes missing.
+    /// Converter of the reading with codes missing.
     pub(crate) reading_gaps: Option<Gaps>,
 }
 

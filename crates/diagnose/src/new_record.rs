@@ -37,7 +37,7 @@ struct Course {
 struct Machine {
     /// Square and `Jᵀ·` of what the answer misses of it.
     by_answer: (f64, DVector<f64>),
-    /// As `by_answer`, for the re-tuned model.
+    /// Square and `Jᵀ·` of what the re-tuned model misses of it.
     by_retuned: (f64, DVector<f64>),
 }
 

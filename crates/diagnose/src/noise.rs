@@ -154,8 +154,8 @@ pub(crate) fn second_differences(
     step.is_finite().then(|| step / 12f64.sqrt())
 }
 
-/// As `second_differences`, of a residual, from its differences at the highest order that still sees the noise only:
-/// fourth differences, whose weights square to 70.
+/// Standard deviation of white noise of a residual from its differences at the highest order that still sees the noise
+/// only: fourth differences, whose weights square to 70.
 pub(crate) fn fourth_differences(
     r: &[f64],
     records: impl Iterator<Item = Range<usize>>,

@@ -365,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn a_course_of_its_own_is_seen_from_the_rows_around() {
+    fn a_course_of_its_own_is_seen_from_the_neighbouring_rows() {
         let course = |k: usize| (0.012 * k as f64).sin();
         let mut residual: Vec<f64> = (0..ROWS).map(course).collect();
         // A bump shorter than a piece stays: its own rows do not count.

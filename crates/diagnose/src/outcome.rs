@@ -62,7 +62,7 @@ pub(crate) struct Original {
 }
 
 impl Original {
-    /// The same in standard deviations of another outcome's noise.
+    /// The model as it came in standard deviations of another outcome's noise.
     pub(crate) fn in_units_of(self, o: &Outcome) -> Self {
         let ratio = self.sigma / o.sigma;
         let scaled = |residual: &[f64]| residual.iter().map(|r| ratio * r).collect::<Vec<f64>>();

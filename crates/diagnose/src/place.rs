@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn that_it_does_not_follow_is_said_where_the_command_repeats_and_the_gap_does_not() {
+    fn that_it_does_not_follow_is_stated_where_the_command_repeats_and_the_gap_does_not() {
         let phase = |k: usize| (k % 1500) as f64 / 1500.0 * std::f64::consts::TAU;
         let repeats = |k: usize| phase(k).sin();
         let runs_up = |k: usize| (1e-6 * (k * k) as f64).sin();

@@ -404,7 +404,7 @@ fn has_gain_behind(base: &Base) -> bool {
     base.joint().is_some() || matches!(base.part, Part::Reading(_))
 }
 
-/// As [`output_gain`], where it is the actuator's.
+/// The re-tuned factor of the output where the actuator has it, or 1.
 fn gain_in_front(base: &Base, fitted: (&Chain, &[f64])) -> f64 {
     if has_gain_behind(base) { 1.0 } else { output_gain(base, fitted) }
 }

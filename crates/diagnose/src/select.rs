@@ -108,7 +108,7 @@ impl<'a> Search<'a> {
         self.expand_where(from, f64::INFINITY)
     }
 
-    /// As `expand`, where one of them promises to leave at most this mean square.
+    /// All families as the next effect, where one of them promises to leave at most this mean square.
     fn expand_where(&self, from: &Candidate, most: f64) -> Result<Vec<Looked>, Failed> {
         self.once(Part::Expansion, from, || self.expand_anew(from, most))
     }

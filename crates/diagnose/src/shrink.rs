@@ -124,7 +124,7 @@ impl Evidence<'_> {
         [low.max(-1.0).min(least), high.max(most).min(1.0)]
     }
 
-    /// The same by draws of new records, which leave what the formula leaves anyway, too.
+    /// 95 % prediction interval by draws of new records, which leave what the formula leaves anyway, too.
     fn of_new_records(&self, total: f64) -> Option<[f64; 2]> {
         let mut random = SplitMix64::new(self.seed);
         let part = |left: &f64| {

@@ -50,7 +50,7 @@ impl Steps {
         self.size / 12f64.sqrt()
     }
 
-    /// As `rounding`, with the noise before it.
+    /// Standard deviation of rounding with the noise before it.
     pub(crate) fn sigma(&self) -> f64 {
         self.rounding().hypot(self.beside)
     }

@@ -167,7 +167,7 @@ fn an_offset_that_the_logs_show_is_part_of_the_repaired_model() {
 }
 
 #[test]
-fn what_cannot_be_undone_is_refused_with_the_reason() {
+fn what_cannot_be_inverted_is_refused_with_the_reason() {
     let refused = |model: CheckedBlueprint| -> String {
         match diagnose(&request(model.clone(), log(positions(&model))), &mut Silent) {
             Err(error @ Error::Joined { .. }) => error.to_string(),

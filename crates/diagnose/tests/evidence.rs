@@ -124,7 +124,7 @@ fn a_monitor_says_that_a_lag_is_before_the_actuator() {
 }
 
 #[test]
-fn whole_records_that_are_left_out_agree() {
+fn complete_records_that_are_left_out_agree() {
     let machine = Machine::new(54, 1.0).with(Effect::Creep, 6.0);
     let gap = gap_of(machine.logs(), machine.sigma, |_| ());
     let second = gap.shrink.second_opinion.expect("four records");

@@ -104,7 +104,7 @@ impl Joint {
         Self { own, takes, coupling, others, mode: None }
     }
 
-    /// The same with other fronts of some of the other axes.
+    /// The coupling with other fronts of some of the other axes.
     pub(crate) fn with_fronts(&self, fronts: &BTreeMap<usize, Front>) -> Self {
         let of = |way: &OtherWay| match fronts.get(&way.axis) {
             Some(front) => OtherWay { front: front.clone(), ..way.clone() },

@@ -26,7 +26,7 @@ use crate::thresholds::search::Thresholds;
 /// Looks at the readings of coupled axes together; `fresh` are their tasks before any was diagnosed.
 ///
 /// # Errors
-/// As [`crate::stages::of`].
+/// [`Error::Model`]: a model that cannot be simulated over the logs.
 pub(crate) fn together(
     outcomes: &mut [Outcome],
     fresh: &[Option<Task>],

@@ -37,7 +37,7 @@ impl<'a> Fitter<'a> {
     /// Residual at the rows of the fit, in standard deviations.
     ///
     /// # Errors
-    /// As [`Fitter::fit`].
+    /// [`Failed`]: the chain cannot be simulated there.
     pub(crate) fn residual(self, chain: &'a Chain, theta: &[f64]) -> Result<Vec<f64>, Failed> {
         Ok(self.work(chain).keep(theta)?.residual)
     }

@@ -104,7 +104,7 @@ fn what_leaves_far_more_than_the_best_gets_no_sensitivities_of_its_own() {
 }
 
 #[test]
-fn a_correction_tells_the_step_that_was_made() {
+fn a_correction_gives_the_change_of_its_step() {
     let point = |theta: &[f64], residual: &[f64]| Point {
         theta: theta.to_vec(),
         residual: residual.to_vec(),

@@ -79,7 +79,7 @@ fn clock(s: &Setting<'_>) -> Family {
     instants(&effects::CLOCK_OFFSET, constant, "offset of a clock that wanders", s)
 }
 
-/// As `clock`, with instants that swing about it, where some frequency is seen in the residual.
+/// A clock whose instants swing about those of this formula, where some frequency is seen in the residual.
 fn swinging(formula: &Formula, name: &'static str, s: &Setting<'_>) -> Option<Formula> {
     let mut all = Formula { name: name.into(), ..formula.clone() };
     all.starts.clear();

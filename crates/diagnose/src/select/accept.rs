@@ -51,7 +51,7 @@ impl Search<'_> {
         let mut is_last_resort = false;
         if self.max_effects > 1
             && !self.explains_enough(&base, &best)
-            && let Some(pair) = self.pair_of_the_whole(&base, &best, &first, &mut rivals)
+            && let Some(pair) = self.pair_as_last_resort(&base, &best, &first, &mut rivals)
         {
             (best, is_last_resort) = (pair, true);
         }
@@ -222,7 +222,7 @@ impl Search<'_> {
 
     /// The last resort where what was found explains too little: a pair that leaves next to nothing, of which
     /// neither member stands out alone.
-    fn pair_of_the_whole(
+    fn pair_as_last_resort(
         &self,
         base: &Candidate,
         found: &Candidate,
@@ -384,16 +384,17 @@ impl Search<'_> {
         // what only takes a part of what is left may repair another formula of the first.
         let cut = left(before) / left(after);
         let is_large = e1 - e0 > Thresholds::FURTHER.0 || s1 - s0 > Thresholds::FURTHER.1;
-        let is_whole = !has_gap(after, self.adequate) && cut > Thresholds::CUT_TO_NOISE;
+        let leaves_nothing = !has_gap(after, self.adequate) && cut > Thresholds::CUT_TO_NOISE;
         // Nor does that need a count of blocks where it is most of what was left.
-        let is_clear = is_whole && explained(&before.judged, &after.judged) >= Thresholds::CLEAR;
+        let is_clear =
+            leaves_nothing && explained(&before.judged, &after.judged) >= Thresholds::CLEAR;
         let is_sharp = cut > Thresholds::CUT_SHARPLY && left(after) < Thresholds::NEARLY_NOISE;
         let is_rest = before.picks.len() > 1
             && cut > Thresholds::CUT_TO_NOISE
             && explained(&before.judged, &after.judged) >= Thresholds::THIRD_TAKES;
         is_clear
             || (paired > Thresholds::BLOCKS_FURTHER
-                && ((is_large && cut > Thresholds::CUT) || is_whole || is_sharp || is_rest))
+                && ((is_large && cut > Thresholds::CUT) || leaves_nothing || is_sharp || is_rest))
     }
 
     /// Looks at each slot again with the others in place, and takes what is better there.

@@ -71,7 +71,7 @@ impl Search<'_> {
         best.filter(|other| other.rank < fit.rank).unwrap_or(fit)
     }
 
-    /// As `released_elsewhere` for fits of a resonance that ended far above what another family leaves: from the places along
+    /// Better fits of a resonance than those that ended far above what another family leaves: from the places along
     /// the whole range where the model, simulated with nothing fitted, leaves least, and from the best of them to the end.
     pub(super) fn resonance_elsewhere(&self, fitted: &mut [Option<Candidate>]) {
         let left = fitted.iter().flatten().map(|c| c.fit.mean_square);

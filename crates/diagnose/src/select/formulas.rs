@@ -10,7 +10,7 @@ use crate::thresholds::fit::Thresholds;
 use crate::thresholds::search;
 
 impl Search<'_> {
-    /// The same effects with the best other formula of the family of effect `slot`, where that is better.
+    /// These effects with the best other formula of the family of effect `slot`, where that is better.
     pub(crate) fn with_another_formula(
         &self,
         from: &Candidate,
@@ -62,7 +62,7 @@ impl Search<'_> {
         Ok(better)
     }
 
-    /// The same effects with another formula (number `number` of its family) for the effect `slot`.
+    /// These effects with another formula (number `number` of its family) for the effect `slot`.
     pub(crate) fn exchange(
         &self,
         from: &Candidate,

@@ -61,7 +61,7 @@ impl Search<'_> {
         Ok(gave)
     }
 
-    /// As [`Self::once`] for one candidate.
+    /// The one candidate that a part of the search gives from here.
     pub(super) fn once_one(
         &self,
         part: Part,
@@ -112,7 +112,7 @@ mod tests {
     use crate::select::synthetic::{Synthetic, close, listed, names};
 
     #[test]
-    fn no_part_is_made_twice_and_each_is_told_in_the_noise_of_its_search() {
+    fn no_part_is_computed_twice_and_each_is_given_in_the_noise_of_its_search() {
         let synthetic =
             Synthetic::new(&[(3, 10.0), (5, 8.0)], &[&[(3, 1.0)], &[(5, 1.0)], &[(7, 1.0)]]);
         let (search, base) = (synthetic.search(), synthetic.retuned());

@@ -21,7 +21,7 @@ impl Search<'_> {
         }
     }
 
-    /// As `refine`, with the best plainer one of these other formulas beside it: the better one of the two stays.
+    /// Fits the best formula of a family and the best plainer one of these others to the end: the better one stays.
     pub(super) fn refine_with_plainer(
         &self,
         entry: &mut Looked,

@@ -71,7 +71,7 @@ impl Synthetic {
         Self::shown(truth, truth, columns)
     }
 
-    /// As `new`, where the rows that are held out show other tones.
+    /// A log whose held-out rows show other tones than the fitted ones.
     pub(super) fn shown(fitted: Tones<'_>, held_out: Tones<'_>, columns: &[Tones<'_>]) -> Self {
         let mut random = XorshiftStar64::new(3);
         let mut noise = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;

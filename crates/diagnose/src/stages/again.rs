@@ -17,7 +17,7 @@ use crate::thresholds::base::Thresholds as BaseThresholds;
 /// another, and not several in a faint gap.
 ///
 /// # Errors
-/// As [`super::of`].
+/// [`Error::Model`]: the model cannot be simulated over the logs.
 pub(crate) fn with_known_reading(
     mut o: Outcome,
     request: &Request,

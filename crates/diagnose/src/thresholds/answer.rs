@@ -6,7 +6,7 @@ pub(crate) struct Thresholds;
 impl Thresholds {
     /// Part of a frequency within which those of several outputs are the same.
     pub(crate) const SAME_FREQUENCY: f64 = 0.01;
-    /// As [`Self::SAME_FREQUENCY`], of a damping or of another parameter of the model.
+    /// Part of a damping, or of another parameter of the model, within which those of several outputs are the same.
     pub(crate) const SAME_DAMPING: f64 = 0.2;
     /// Standard deviations of the difference within which two estimates are the same at any rate.
     pub(crate) const SAME_DEVIATIONS: f64 = 4.0;

@@ -16,7 +16,8 @@ impl Thresholds {
     pub(crate) const READING_LESS: f64 = 0.7;
     /// Frequency, times the sample time, from which a mode may be a command that moves between the rows.
     pub(crate) const MODE_NEAR_NYQUIST: f64 = 0.45;
-    /// As [`Self::READING_LESS`], for trying another reading where a released lag was found.
+    /// Error power that another reading must leave, over what the usual one leaves, to be tried where a released lag was
+    /// found.
     pub(crate) const READING_TRIED_FOR_LAG: f64 = 0.95;
     /// Error power that the re-tuned model may leave under another reading, over that under the usual one, where one effect is
     /// tried with it in place of several.

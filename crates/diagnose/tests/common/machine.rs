@@ -195,7 +195,7 @@ impl Machine {
         self.position_from(record, u, &mut Known::new())
     }
 
-    /// The same, with what the last call for this record has computed already.
+    /// Noise-free position, with what the last call for this record has computed already.
     fn position_from(&self, record: usize, u: &[f64], known: &mut Known) -> Vec<f64> {
         let h = 1.0 / RATE;
         let find = |e: Effect| self.effects.iter().find(|(x, _)| *x == e).map(|(_, s)| *s);

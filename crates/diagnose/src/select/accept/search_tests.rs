@@ -207,7 +207,8 @@ fn a_pair_is_found_behind_what_takes_a_half_of_both() {
     assert_eq!(listed(&first)[0], 0, "the imitation is the best single effect");
     let mut rivals = marked(1);
     let found = synthetic.families(&[0]);
-    let pair = search.pair_of_the_whole(&synthetic.retuned(), &found, &first, &mut rivals).unwrap();
+    let pair =
+        search.pair_as_last_resort(&synthetic.retuned(), &found, &first, &mut rivals).unwrap();
     let mut both = names(&pair);
     both.sort_unstable();
     assert_eq!(both, [1, 2]);
@@ -217,7 +218,9 @@ fn a_pair_is_found_behind_what_takes_a_half_of_both() {
     let synthetic = halved(3.0);
     let (search, found) = (synthetic.search(), synthetic.families(&[0]));
     let first = search.expand(&synthetic.retuned()).unwrap();
-    assert!(search.pair_of_the_whole(&synthetic.retuned(), &found, &first, &mut rivals).is_none());
+    assert!(
+        search.pair_as_last_resort(&synthetic.retuned(), &found, &first, &mut rivals).is_none()
+    );
 }
 
 #[test]
@@ -275,7 +278,7 @@ fn of_a_large_gap_a_pair_of_the_last_resort_may_leave_more_than_the_noise() {
         let (search, found) = (synthetic.search(), synthetic.families(&[0]));
         let base = synthetic.retuned();
         let first = search.expand(&base).unwrap();
-        let pair = search.pair_of_the_whole(&base, &found, &first, &mut marked(1));
+        let pair = search.pair_as_last_resort(&base, &found, &first, &mut marked(1));
         assert_eq!(pair.is_some(), is_taken, "{more}");
     }
 }

@@ -60,7 +60,7 @@ impl Figures {
         self.is_worth_it(&self.base(), self.set(1, power, bands), errors)
     }
 
-    /// As `is_first`, as a second effect, beside one that takes these parts.
+    /// Whether a second effect is believed beside one that takes these parts.
     fn is_further(&self, before: (f64, f64), after: (f64, f64), errors: f64) -> bool {
         let before = self.set(1, before.0, before.1);
         self.is_worth_it(&before, self.set(2, after.0, after.1), errors)
