@@ -11,9 +11,9 @@ use std::sync::atomic::AtomicU64;
 use self::cautions::cautions;
 use self::leftover::leftover;
 use self::sensor::{noisier, stepped};
+use crate::base::compose::GAIN;
 use crate::belief;
 use crate::candidate::{Candidate, Looked, Why};
-use crate::chain::Chain;
 use crate::experiment;
 use crate::gap::{
     Estimate, Gap, ModelKind, NamedEffect, OutputGap, Partial, Provenance, Retuned, SCHEMA, Shrink,
@@ -234,7 +234,7 @@ pub(crate) fn parameters(
     }
     for k in &family.formulas[formula].releases {
         let released = &o.task.base.parameters[*k];
-        if let Some(at) = find(&candidate.chain, &released.name) {
+        if let Some(at) = candidate.chain.own(&released.name) {
             let (q, d) = (candidate.fit.theta[at], candidate.fit.deviations[at]);
             let estimate = Estimate {
                 value: released.value + released.deviation * q,
@@ -245,10 +245,6 @@ pub(crate) fn parameters(
         }
     }
     all
-}
-
-fn find(chain: &Chain, name: &str) -> Option<usize> {
-    chain.parameters.iter().position(|p| p.is_base && p.name == name)
 }
 
 fn named(o: &Outcome) -> Vec<NamedEffect> {
@@ -344,14 +340,13 @@ pub(crate) fn group(group: model::Group) -> &'static str {
 
 fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
     let last = &o.found.last;
-    let released: Vec<usize> =
-        last.picks.iter().flat_map(|(f, k)| o.library[*f].formulas[*k].releases.clone()).collect();
+    let released = o.released(last);
     let mut all = Vec::new();
     for (k, p) in o.task.base.parameters.iter().enumerate() {
         if released.contains(&k) {
             continue;
         }
-        if let Some(at) = find(&last.chain, &p.name) {
+        if let Some(at) = last.chain.own(&p.name) {
             let q = last.fit.theta[at];
             all.push((
                 p.name.clone(),
@@ -365,9 +360,9 @@ fn retuned(o: &Outcome, many: bool) -> Vec<(String, Retuned)> {
             ));
         }
     }
-    if let Some(at) = find(&last.chain, "output.gain") {
+    if let Some(at) = last.chain.own(GAIN) {
         let (q, tolerance) = (last.fit.theta[at], o.task.base.gain_tolerance);
-        let name = if many { format!("{}.gain", o.task.output) } else { "output.gain".into() };
+        let name = if many { format!("{}.gain", o.task.output) } else { GAIN.into() };
         let at_limit = is_at_limit(q);
         let unit = "1".to_owned();
         all.push((name, Retuned { from: 1.0, to: 1.0 + tolerance * q, tolerance, unit, at_limit }));

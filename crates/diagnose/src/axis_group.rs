@@ -1,4 +1,4 @@
-//! What static couplings do, and how it is undone.
+//! What static couplings do, and how it is inverted.
 
 use data::{CheckedBlueprint, Log};
 use model::{CouplingSpec, NodeSpec, Source, Tick};

@@ -97,6 +97,24 @@ pub(crate) struct Base {
 }
 
 impl Base {
+    /// A model of this part of an axis with nothing in it.
+    pub(crate) fn empty(part: Part, gain_tolerance: f64) -> Self {
+        Self {
+            nodes: Vec::new(),
+            parameters: Vec::new(),
+            slots: BTreeMap::new(),
+            actuator: 0,
+            mode: None,
+            components: Vec::new(),
+            memory: None,
+            gain_tolerance,
+            is_white: false,
+            late: None,
+            part,
+            hints: Vec::new(),
+        }
+    }
+
     /// The FMUs among the nodes.
     pub(crate) fn black_boxes(&self) -> Vec<BlackBox> {
         let boxes = self.nodes.iter().filter_map(|node| match node {
@@ -120,20 +138,7 @@ impl Base {
         };
         let axis = blueprint.spec().axes.get(number - 1).ok_or_else(unknown)?;
         let given_axis = blueprint.blueprint().axes.get(number - 1).ok_or_else(unknown)?;
-        let mut base = Self {
-            nodes: Vec::new(),
-            parameters: Vec::new(),
-            slots: BTreeMap::new(),
-            actuator: 0,
-            mode: None,
-            components: Vec::new(),
-            memory: None,
-            gain_tolerance,
-            is_white: true,
-            late: None,
-            part,
-            hints: Vec::new(),
-        };
+        let mut base = Self { is_white: true, ..Self::empty(part, gain_tolerance) };
         let mut series: Vec<(Standing, &NodeSpec, &data::ComponentBlueprint)> = Vec::new();
         for (place, (spec, messages)) in
             axis.components.iter().zip(&given_axis.components).enumerate()
@@ -246,13 +251,12 @@ impl Base {
         }
         self.nodes.push(match joint {
             Some(joint) => Node::Joint(joint),
-            None => Node::Component(ComponentNode {
-                component: spec.component.clone(),
-                structure: spec.structure.clone(),
-                values: values.to_vec(),
-                links: Vec::new(),
-                reads_command: reads_command(declaration),
-            }),
+            None => {
+                let (component, structure) = (spec.component.clone(), spec.structure.clone());
+                let own = ComponentNode::new(component, structure, values.to_vec());
+                let reads_command = reads_command(declaration);
+                Node::Component(ComponentNode { reads_command, ..own })
+            }
         });
     }
 
@@ -302,20 +306,8 @@ impl Base {
     /// What a sensor makes of the position that the model gives it, which takes the place of the command.
     /// Its axis has `from` components, which give that position.
     pub(crate) fn reading(from: usize, gain_tolerance: f64) -> Self {
-        Self {
-            nodes: Vec::new(),
-            parameters: Vec::new(),
-            slots: BTreeMap::from([(Slot::AfterMechanics, 0), (Slot::Reading, 0)]),
-            actuator: 0,
-            mode: None,
-            components: Vec::new(),
-            memory: None,
-            gain_tolerance,
-            is_white: false,
-            late: None,
-            part: Part::Reading(from),
-            hints: Vec::new(),
-        }
+        let slots = BTreeMap::from([(Slot::AfterMechanics, 0), (Slot::Reading, 0)]);
+        Self { slots, ..Self::empty(Part::Reading(from), gain_tolerance) }
     }
 
     /// Whether inputs beside the command act on it as they are logged.
@@ -398,8 +390,7 @@ impl Base {
         let node = self.mode?;
         let mut at = [frequency, damping];
         for p in &self.parameters {
-            let place = chain.parameters.iter().position(|q| q.is_base && q.name == p.name);
-            let Some(q) = place.and_then(|k| theta.get(k)) else { continue };
+            let Some(q) = chain.own(&p.name).and_then(|k| theta.get(k)) else { continue };
             for (_, index, deviation) in p.also.iter().filter(|(k, ..)| *k == node) {
                 at[*index] += deviation * q;
             }

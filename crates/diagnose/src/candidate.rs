@@ -33,8 +33,7 @@ pub(crate) struct Candidate {
 impl Candidate {
     /// Seconds by which each reading is late within its row, where the model's readings may be.
     pub(crate) fn late(&self) -> Option<f64> {
-        let mut all = self.chain.parameters.iter().zip(&self.fit.theta);
-        all.find(|(p, _)| p.is_base && p.name == LATE).map(|(p, q)| p.value(*q))
+        self.chain.own(LATE).map(|k| self.chain.parameters[k].value(self.fit.theta[k]))
     }
 
     /// Places of the parameters of effect number `slot` in the chain.
@@ -158,10 +157,11 @@ pub(crate) fn carried(
         let slot = from.picks.iter().position(|p| p == pick)?;
         from.fit.theta.get(from.own(library, slot))
     };
-    let of_base = chain.parameters.iter().take_while(|p| p.is_base).map(|p| {
-        let same = from.chain.parameters.iter().position(|o| o.is_base && o.name == p.name);
-        same.map_or(0.0, |k| from.fit.theta[k])
-    });
+    let of_base = chain
+        .parameters
+        .iter()
+        .take_while(|p| p.is_base)
+        .map(|p| from.chain.own(&p.name).map_or(0.0, |k| from.fit.theta[k]));
     let mut theta: Vec<f64> = of_base.collect();
     for pick in picks {
         theta.extend(values(pick)?);

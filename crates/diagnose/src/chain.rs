@@ -107,6 +107,16 @@ impl Chain {
         Self { nodes, ..self.clone() }
     }
 
+    /// Number of the model's own parameter of this name.
+    pub(crate) fn own(&self, name: &str) -> Option<usize> {
+        self.parameters.iter().position(|p| p.is_base && p.name == name)
+    }
+
+    /// Values of the parameters at these coordinates.
+    pub(crate) fn values(&self, theta: &[f64]) -> Vec<f64> {
+        self.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect()
+    }
+
     /// Whether an FMU is part of it.
     pub(crate) fn has_black_box(&self) -> bool {
         self.nodes.iter().any(|node| matches!(node, Node::BlackBox(_)))
@@ -140,7 +150,7 @@ impl Chain {
                 if !p.is_base {
                     return effects.next();
                 }
-                from.parameters.iter().position(|o| o.is_base && o.name == p.name)
+                from.own(&p.name)
             })
             .collect()
     }

@@ -33,7 +33,7 @@ use crate::task::{Coupled, Task, assemble};
 /// The groups of axes that couplings join, in which one is chosen.
 ///
 /// # Errors
-/// [`Error::Joined`]: couplings that cannot be undone, and why.
+/// [`Error::Joined`]: couplings that cannot be inverted, and why.
 fn groups(blueprint: &CheckedBlueprint, chosen: &[usize]) -> Result<Vec<Group>, Error> {
     let joins = |c: &&CouplingSpec| c.node.enabled && c.axes.len() > 1;
     let couplings = || blueprint.spec().connections.couplings.iter().filter(joins);
@@ -43,7 +43,7 @@ fn groups(blueprint: &CheckedBlueprint, chosen: &[usize]) -> Result<Vec<Group>, 
         let names: Vec<&str> = own.iter().map(|c| c.node.name.as_str()).collect();
         match Group::of(blueprint, axes, &own) {
             Ok(group) => Ok(Some(group)),
-            // Not undone: each reading is looked at as the sum of what all axes give.
+            // Not inverted: each reading is looked at as the sum of what all axes give.
             Err(_) if own.iter().all(|c| is_sum(blueprint, c).is_ok()) => Ok(None),
             Err(reason) => {
                 let no_sum = own.iter().find_map(|c| is_sum(blueprint, c).err());
@@ -66,7 +66,7 @@ pub(crate) fn not_cut(monitor: &str) -> String {
 /// The tasks of the axes that couplings join: their motions, worked out of the readings of all of them.
 ///
 /// # Errors
-/// [`Error`]: couplings that cannot be undone, or a log without a column for one of their outputs.
+/// [`Error`]: couplings that cannot be inverted, or a log without a column for one of their outputs.
 pub(crate) fn tasks(
     request: &Request,
     blueprint: &CheckedBlueprint,

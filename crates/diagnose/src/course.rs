@@ -403,11 +403,14 @@ fn held_out(o: &Outcome) -> f64 {
     o.found.last.judged.held_out * o.sigma.powi(2)
 }
 
+/// Number of the effect that is a missing mode.
+fn slot_of_mode(o: &Outcome) -> Option<usize> {
+    names(o).iter().position(|name| *name == effects::EXTRA_MODE.name)
+}
+
 /// Mean square in SI of what the answer leaves on held-out rows without its mode.
 fn without_mode(o: &Outcome) -> Option<f64> {
-    let is_mode =
-        |(family, _): &(usize, usize)| o.library[*family].effect.name == effects::EXTRA_MODE.name;
-    let slot = o.found.last.picks.iter().position(is_mode)?;
+    let slot = slot_of_mode(o)?;
     let gap = (o.found.base.judged.held_out - 1.0).max(0.0) * o.sigma.powi(2);
     Some(held_out(o) + o.found.alone.get(slot)? * gap)
 }
@@ -415,11 +418,7 @@ fn without_mode(o: &Outcome) -> Option<f64> {
 /// Frequency of a mode that was found within 10 % of half the sample rate, in Hz.
 fn mode_near_nyquist(o: &Outcome) -> Option<f64> {
     let last = &o.found.last;
-    let is_mode =
-        |(family, _): &(usize, usize)| o.library[*family].effect.name == effects::EXTRA_MODE.name;
-    if !last.picks.iter().any(is_mode) {
-        return None;
-    }
+    slot_of_mode(o)?;
     let own = last.chain.parameters.iter().zip(&last.fit.theta).filter(|(p, _)| !p.is_base);
     let frequencies = own.filter(|(p, _)| p.unit == "Hz").map(|(p, q)| p.value(*q));
     let sample = o.task.data.sample_time;

@@ -441,14 +441,11 @@ mod tests {
     /// Two records of twelve rows, the first with a run-in of two.
     fn records() -> DataSet {
         let record = |begin: f64, run_in: usize| RecordRows {
-            name: String::new(),
-            time: (0..12).map(|k| f64::from(k) * 1e-3).collect(),
             command: (0..12).map(|k| begin + f64::from(k)).collect(),
-            y: vec![0.0; 12],
             aux: vec![(0..12).map(f64::from).collect()],
             others: vec![(0..12).map(|k| begin + f64::from(k)).collect()],
             run_in,
-            training: 0.5,
+            ..RecordRows::still(12, 0.5)
         };
         DataSet::new(vec![record(0.0, 2), record(100.0, 0)], &[("T".into(), false)], Some(1e-3))
     }

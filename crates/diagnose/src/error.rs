@@ -52,7 +52,7 @@ pub enum Error {
     Joined {
         /// Name of the model.
         model: String,
-        /// What joins them, and why that cannot be undone.
+        /// What joins them, and why that cannot be inverted.
         reason: String,
     },
     /// A log cannot be used as it is.

@@ -138,11 +138,8 @@ impl<'a> Work<'a> {
         let chain = self.chain();
         let simulated = if aside { self.bench.beside(theta)? } else { self.bench.keep(theta)? };
         let mut residual = self.fitter.data.fit_residual(simulated);
-        let values: Vec<f64> = if chain.nuisances.is_empty() {
-            Vec::new()
-        } else {
-            chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect()
-        };
+        let has_none = chain.nuisances.is_empty();
+        let values = if has_none { Vec::new() } else { chain.values(theta) };
         let key = relevant(&chain.nuisances, &values);
         let is_current = !chain.nuisances.iter().any(Nuisance::is_of_simulation)
             && self.projector.as_ref().is_some_and(|(of, _)| *of == key);

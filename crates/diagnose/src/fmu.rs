@@ -91,20 +91,7 @@ fn task(
         (Slot::AfterMechanics, 1),
         (Slot::Reading, 1),
     ]);
-    let base = Base {
-        nodes: Vec::new(),
-        parameters: Vec::new(),
-        slots,
-        actuator: 0,
-        mode: None,
-        components: Vec::new(),
-        memory: None,
-        gain_tolerance: request.gain_tolerance,
-        is_white: false,
-        late: None,
-        part: Part::Axis,
-        hints: Vec::new(),
-    };
+    let base = Base { slots, ..Base::empty(Part::Axis, request.gain_tolerance) };
     let mut task = assemble(request, inputs, outputs, input, output, base, None)?;
     let times: Times = task.data.times().collect();
     if let Some(step) = inner_step(fmu.description()) {
@@ -153,13 +140,7 @@ fn task(
 /// Takes the mode, frequency and damping, out behind the FMU and puts it in again, so that effects can
 /// act on what enters it. `moved` is what each of the FMU's parameters does to it at one deviation.
 fn open_up(base: &mut Base, (frequency, damping): (f64, f64), moved: Vec<(f64, f64)>) {
-    let mode = ComponentNode {
-        component: model::ComponentRef::Static(&components::mechanics::MODE),
-        structure: Vec::new(),
-        values: vec![frequency, damping, 1.0],
-        links: Vec::new(),
-        reads_command: false,
-    };
+    let mode = ComponentNode::mode(frequency, damping);
     let before = base.nodes.len();
     let again = before + 1;
     base.nodes.extend([Node::BeforeMode(mode.clone()), Node::Component(mode)]);

@@ -103,15 +103,9 @@ mod tests {
     /// Records of a sine, a triangle and steps, and the residual of instants that swing, with what a
     /// constant lateness and a clock that is fast leave beside it, in noise.
     fn records(swing: f64) -> (DataSet, Vec<f64>) {
-        let rows = |name: &str, y: Vec<f64>| RecordRows {
-            name: name.to_owned(),
-            time: (0..y.len()).map(|k| SAMPLE * k as f64).collect(),
-            command: y.clone(),
-            y,
-            aux: Vec::new(),
-            others: Vec::new(),
-            run_in: 0,
-            training: 0.7,
+        let rows = |name: &str, y: Vec<f64>| {
+            let still = RecordRows::still(y.len(), 0.7);
+            RecordRows { name: name.to_owned(), command: y.clone(), y, ..still }
         };
         let t = |k: usize| SAMPLE * k as f64;
         let sine = (0..3000).map(|k| (TAU * 11.0 * t(k)).sin()).collect();

@@ -6,6 +6,13 @@
 //! ```
 //!
 //! [`diagnose`] gives the answer as [`Gap`], the content of `gap.json`.
+//!
+//! The files in layers, the lowest first, each of which knows those before it:
+//!
+//! ```text
+//! data_set ─▶ parameter, chain (with its nodes) ─▶ fit ─▶ score ─▶ formula ─▶ base ─▶ candidate ─▶ library ─▶ belief
+//!     ─▶ select ─▶ task, tasks ─▶ outcome ─▶ stages ─▶ course, coupled ─▶ answer, repair, repaired_fmu, page
+//! ```
 
 mod answer;
 mod axis_group;
@@ -75,6 +82,7 @@ pub use gap::{
     SCHEMA, Shrink, Tried, Verdict,
 };
 pub use identify::{Observer, Silent};
+pub use repair::is_linear;
 pub use repaired_fmu::{Repaired, preset};
 pub use request::{Deviation, Model, Noise, Request, Tolerance};
 
@@ -201,13 +209,6 @@ impl Diagnosis {
         answer::hand_back(&mut self.gap, &self.outcomes, &after);
         (repaired, notes)
     }
-}
-
-/// Whether an effect of this name is linear dynamics (a mode, a lag, a delay, a feedthrough), which a model that was
-/// identified from the same logs may lack.
-#[must_use]
-pub fn is_linear(effect: &str) -> bool {
-    repair::LINEAR.iter().any(|linear| linear.name == effect)
 }
 
 /// Diagnoses the gap between a model and measured logs.

@@ -57,7 +57,7 @@ fn residual(data: &DataSet, chain: &Chain, theta: &[f64], count: &AtomicU64) -> 
 
 /// The offset of each record that is fitted, from its fitted rows.
 fn offsets(data: &DataSet, (chain, theta): (&Chain, &[f64]), residual: &[f64]) -> Vec<f64> {
-    let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
+    let values = chain.values(theta);
     let simulated = Vec::new();
     // What swings with the simulated output has no mean of its own.
     let nuisances: Vec<_> =

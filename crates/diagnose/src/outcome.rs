@@ -88,6 +88,11 @@ impl Outcome {
         candidate.picks.iter().map(|(family, number)| &self.library[*family].formulas[*number])
     }
 
+    /// Numbers of the model's parameters that the effects of a candidate release.
+    pub(crate) fn released(&self, candidate: &Candidate) -> Vec<usize> {
+        self.formulas(candidate).flat_map(|formula| formula.releases.clone()).collect()
+    }
+
     /// The effects of a candidate: name, formula, values of its parameters.
     pub(crate) fn effects<'a>(
         &'a self,

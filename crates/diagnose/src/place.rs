@@ -30,13 +30,13 @@ impl Maps<'_> {
     pub(crate) fn place(&self, output: &str, input: &str, stage: Option<&str>) -> Place {
         let mut coherence = BTreeMap::new();
         let command = self.command();
-        if let Some(c) = self.coherence(&command) {
+        if let Some(c) = self.coherence(self.before, &command) {
             coherence.insert(input.to_owned(), c);
         }
         for aux in &self.data.aux {
             let values: Vec<f64> =
                 self.data.row_hit.iter().map(|h| aux.hits[*h as usize]).collect();
-            if let Some(c) = self.coherence(&values) {
+            if let Some(c) = self.coherence(self.before, &values) {
                 coherence.insert(aux.name.clone(), c);
             }
         }
@@ -111,12 +111,13 @@ impl Maps<'_> {
             .collect()
     }
 
-    fn coherence(&self, signal: &[f64]) -> Option<f64> {
+    /// Coherence of a residual with a signal, the mean of the records by its power.
+    fn coherence(&self, residual: &[f64], signal: &[f64]) -> Option<f64> {
         let (mut sum, mut weight) = (0.0, 0.0);
         for record in &self.data.records {
             let rows = record.rows.clone();
-            let power = mean_square(&self.before[rows.clone()]) * rows.len() as f64;
-            if let Some(c) = spectrum::coherence(&self.before[rows.clone()], &signal[rows]) {
+            let power = mean_square(&residual[rows.clone()]) * rows.len() as f64;
+            if let Some(c) = spectrum::coherence(&residual[rows.clone()], &signal[rows]) {
                 sum += power * c;
                 weight += power;
             }
@@ -266,17 +267,8 @@ impl Maps<'_> {
                 }
                 signal.push(shape(span.unit(*u), direction));
             }
-            let (mut sum, mut weight) = (0.0, 0.0);
-            for record in &self.data.records {
-                let rows = record.rows.clone();
-                let power = mean_square(&residual[rows.clone()]) * rows.len() as f64;
-                if let Some(c) = spectrum::coherence(&residual[rows.clone()], &signal[rows]) {
-                    sum += power * c;
-                    weight += power;
-                }
-            }
-            if weight > 0.0 {
-                best = Some(f64::max(best.unwrap_or(0.0), sum / weight));
+            if let Some(c) = self.coherence(residual, &signal) {
+                best = Some(f64::max(best.unwrap_or(0.0), c));
             }
         }
         if best.is_some_and(|c| c > Thresholds::COHERENT) {
@@ -310,16 +302,8 @@ mod tests {
         let mut noise = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
         let u: Vec<f64> = (0..ROWS).map(command).collect();
         let r: Vec<f64> = (0..ROWS).map(|k| residual(k) + noise()).collect();
-        let record = RecordRows {
-            name: "a".to_owned(),
-            time: (0..ROWS).map(|k| 1e-3 * k as f64).collect(),
-            command: u.clone(),
-            y: r.clone(),
-            aux: Vec::new(),
-            others: Vec::new(),
-            run_in: 0,
-            training: 1.0,
-        };
+        let (command, y) = (u.clone(), r.clone());
+        let record = RecordRows { command, y, ..RecordRows::still(ROWS, 1.0) };
         let data = DataSet::new(vec![record], &[], None);
         Maps { data: &data, before: &r, after: &r, sigma: 1.0 }.is_input_driven(&r, &u)
     }

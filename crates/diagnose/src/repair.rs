@@ -15,6 +15,7 @@ use surround::Block;
 pub(crate) use self::handed::judged_as_written;
 pub(crate) use self::joint::write as write_joint;
 use self::plays::Plays;
+use crate::base::compose::GAIN;
 use crate::base::{Base, Part};
 use crate::candidate::Candidate;
 use crate::chain::Chain;
@@ -122,12 +123,19 @@ pub(crate) fn repair(
 }
 
 /// Effects that are linear dynamics: what a model that was identified from the same logs may lack, whatever the machine is.
-pub(crate) const LINEAR: [&Effect; 4] = [
+const LINEAR: [&Effect; 4] = [
     &effects::EXTRA_MODE,
     &effects::AMPLIFIER_BANDWIDTH,
     &effects::SENSOR_BANDWIDTH,
     &effects::DELAY,
 ];
+
+/// Whether an effect of this name is linear dynamics (a mode, a lag, a delay), which a model that was identified from the
+/// same logs may lack.
+#[must_use]
+pub fn is_linear(effect: &str) -> bool {
+    LINEAR.iter().any(|linear| linear.name == effect)
+}
 
 /// Writes the re-tuned values and the linear dynamics that were found in one axis (from 1) into a blueprint; whether there
 /// are any.
@@ -137,7 +145,7 @@ pub(crate) fn linear_parts(o: &Outcome, axis: usize, blueprint: &mut Blueprint) 
     let given = blueprint.clone();
     let (mut changes, mut has_any) = (Vec::new(), false);
     let all = o.effects(last);
-    for (effect, formula, values) in all.filter(|(effect, ..)| crate::is_linear(effect)) {
+    for (effect, formula, values) in all.filter(|(effect, ..)| is_linear(effect)) {
         let axis_now = &apply(&given, axis, &changes).axes[axis - 1].clone();
         let axes = (&given.axes[axis - 1], axis_now);
         let own = first_mode(o, formula, &values)
@@ -394,8 +402,7 @@ fn take_place(component: &mut ComponentBlueprint, old: &ComponentBlueprint) {
 
 /// The re-tuned factor of the output.
 fn output_gain(base: &Base, (chain, theta): (&Chain, &[f64])) -> f64 {
-    let gain = chain.parameters.iter().position(|p| p.is_base && p.name == "output.gain");
-    gain.map_or(1.0, |k| 1.0 + base.gain_tolerance * theta[k])
+    chain.own(GAIN).map_or(1.0, |k| 1.0 + base.gain_tolerance * theta[k])
 }
 
 /// Whether the gain of the output is the sensor's: a reading has no actuator, and one in front of a coupling moves other
@@ -448,8 +455,7 @@ fn retune(
         let Some(target) = target else { continue };
         let mut values = component.values.clone();
         for p in base.parameters.iter().filter(|p| p.node == node) {
-            let at = chain.parameters.iter().position(|c| c.is_base && c.name == p.name);
-            let Some(at) = at else { continue };
+            let Some(at) = chain.own(&p.name) else { continue };
             for (index, deviation) in &p.indices {
                 values[*index] += deviation * theta[at];
             }

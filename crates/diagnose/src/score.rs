@@ -131,7 +131,7 @@ impl Judge {
         if self.has_own_course(chain) {
             nuisance::take_own_course(data, &mut residual);
         } else {
-            let values = chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
+            let values = chain.values(theta);
             Projector::new(&chain.nuisances, values, data, simulated).extend(data, &mut residual);
         }
         residual.iter_mut().for_each(|r| *r /= sigma);
@@ -142,8 +142,7 @@ impl Judge {
     /// Mean square of the noise over the fitted rows that the nuisances of a chain take out with what is
     /// theirs.
     pub(crate) fn taken(&self, chain: &Chain, theta: &[f64], data: &DataSet) -> f64 {
-        let values: Vec<f64> =
-            chain.parameters.iter().zip(theta).map(|(p, q)| p.value(*q)).collect();
+        let values = chain.values(theta);
         let Shape { white, corner } = self.shape;
         let mut sum = 0.0;
         for record in data.records.iter().filter(|r| !r.fit.is_empty()) {

@@ -183,13 +183,9 @@ mod tests {
         let tone = |f: f64, k: usize| (std::f64::consts::TAU * f * k as f64 * SAMPLE).sin();
         let record = |(name, rows): (&str, usize)| RecordRows {
             name: name.to_owned(),
-            time: (0..rows).map(|k| SAMPLE * k as f64).collect(),
             command: (0..rows).map(|k| tone(17.3, k)).collect(),
-            y: vec![0.0; rows],
             aux: vec![(0..rows).map(|k| tone(81.7, k)).collect()],
-            others: Vec::new(),
-            run_in: 0,
-            training: 0.7,
+            ..RecordRows::still(rows, 0.7)
         };
         let lengths = [("short", 2000), ("long", 3000), ("other", 2400)];
         let neighbour = [("neighbour".to_owned(), true)];
@@ -223,13 +219,8 @@ mod tests {
         let commands = [("a", 2.21), ("b", 3.28), ("c", 138.25)];
         let record = |(name, f): (&str, f64)| RecordRows {
             name: name.to_owned(),
-            time: (0..ROWS).map(|k| SAMPLE * k as f64).collect(),
             command: (0..ROWS).map(|k| tone(f, k)).collect(),
-            y: vec![0.0; ROWS],
-            aux: Vec::new(),
-            others: Vec::new(),
-            run_in: 0,
-            training: 1.0,
+            ..RecordRows::still(ROWS, 1.0)
         };
         let data = DataSet::new(commands.map(record).into(), &[], None);
         let found = |lines: [f64; 3]| {

@@ -146,11 +146,11 @@ impl Run<'_> {
     /// The noise is seen in what the re-tuned model leaves. The fit does not depend on the noise's size; it is made
     /// again where the first readings show that the machine rested under another command than the model.
     fn noise(&self, mut task: Task) -> Result<(Task, Level), Error> {
-        let white = Judge::new(&task.data, Shape::WHITE);
         let guess = task.noise.sigma * task.factor;
-        let mut retuned = self.retuned(&task, &white, guess)?;
+        let white = Scale::new(&task, Shape::WHITE, guess, f64::INFINITY, self.request);
+        let mut retuned = self.retuned(&task, &white)?;
         if start::find(&mut task, &retuned, self.count) {
-            retuned = self.retuned(&task, &white, guess)?;
+            retuned = self.retuned(&task, &white)?;
         }
         let (shape, sure) = settle_noise(&mut task, &retuned.judged.residual);
         Ok((task, Level { shape, sure, retuned, guess }))
@@ -318,21 +318,8 @@ impl Run<'_> {
     }
 
     /// The re-tuned model, judged by noise of this size and colour.
-    fn retuned(&self, task: &Task, judge: &Judge, sigma: f64) -> Result<Candidate, Error> {
-        let search = Search {
-            base: &task.base,
-            data: &task.data,
-            judge,
-            library: &[],
-            sigma,
-            adequate: f64::INFINITY,
-            fine: 0.0,
-            count: self.count,
-            max_effects: 0,
-            reading_is_known: false,
-            memo: self.memo,
-        };
-        search.retune().map_err(|_| cannot_run(task))
+    fn retuned(&self, task: &Task, scale: &Scale) -> Result<Candidate, Error> {
+        self.search_in(task, &[], scale).retune().map_err(|_| cannot_run(task))
     }
 
     /// Under noise that the effects reveal to be less than it was taken for, more may be seen: the search is made

@@ -130,17 +130,7 @@ mod tests {
         let smooth = |k: usize| 9.0 * (k as f64 * 1e-3).sin();
         let round = |x: f64| f64::from((STEP * ((x / STEP - PHASE).round() + PHASE)) as f32);
         let y: Vec<f64> = (0..8000).map(|k| round(smooth(k) + sigma * noise())).collect();
-        let record = RecordRows {
-            name: "a".to_owned(),
-            time: (0..y.len()).map(|k| 1e-3 * k as f64).collect(),
-            command: vec![0.0; y.len()],
-            y,
-            aux: Vec::new(),
-            others: Vec::new(),
-            run_in: 0,
-            training: 0.7,
-        };
-        DataSet::new(vec![record], &[], None)
+        DataSet::new(vec![RecordRows { y, ..RecordRows::still(8000, 0.7) }], &[], None)
     }
 
     #[test]

@@ -7,6 +7,8 @@ use crate::parameter::{Link, Parameter};
 use crate::path_block::RecordBlock;
 use crate::thresholds::base::Thresholds;
 
+/// Name of the factor of the output.
+pub(crate) const GAIN: &str = "output.gain";
 /// Name of the time by which each reading is late.
 pub(crate) const LATE: &str = "reading.late";
 
@@ -70,46 +72,13 @@ impl<'a> Composer<'a> {
             } else {
                 (-Thresholds::PRIOR_BOX, Thresholds::PRIOR_BOX, 1.0)
             };
-            parameters.push(Parameter {
-                name: p.name.clone(),
-                unit: p.unit.clone(),
-                low,
-                high,
-                log: false,
-                step: 0.2,
-                prior,
-                node: 0,
-                jumps: false,
-                is_base: true,
-            });
+            parameters.push(of_model(&p.name, &p.unit, (low, high), 0.2, prior));
         }
-        // The output's gain.
-        parameters.push(Parameter {
-            name: "output.gain".to_owned(),
-            unit: "1".to_owned(),
-            low: -Thresholds::PRIOR_BOX,
-            high: Thresholds::PRIOR_BOX,
-            log: false,
-            step: 0.2,
-            prior: 1.0,
-            node: 0,
-            jumps: false,
-            is_base: true,
-        });
+        let bounds = (-Thresholds::PRIOR_BOX, Thresholds::PRIOR_BOX);
+        parameters.push(of_model(GAIN, "1", bounds, 0.2, 1.0));
         if let Some((row, _)) = base.late {
-            parameters.push(Parameter {
-                name: LATE.to_owned(),
-                unit: "s".to_owned(),
-                low: 0.0,
-                high: row,
-                log: false,
-                step: 1e-2 * row,
-                // Not released, and as good as free: a second off would count as one standard deviation.
-                prior: 1.0,
-                node: 0,
-                jumps: false,
-                is_base: true,
-            });
+            // Not released, and as good as free: a second off would count as one standard deviation.
+            parameters.push(of_model(LATE, "s", (0.0, row), 1e-2 * row, 1.0));
         }
         let mut first = Vec::new();
         for effect in effects {
@@ -167,7 +136,7 @@ impl<'a> Composer<'a> {
     /// The factor of the output: last of all, but before a force on the mode, as in the model that is handed back.
     /// Behind the force it would be another one.
     fn gain(&mut self) {
-        let gain = self.parameters.iter().position(|p| p.name == "output.gain").unwrap_or(0);
+        let gain = self.parameters.iter().position(|p| p.name == GAIN).unwrap_or(0);
         self.touch(gain, 1);
         self.nodes.push(Node::Gain { parameter: gain, deviation: self.base.gain_tolerance });
     }
@@ -243,5 +212,21 @@ impl<'a> Composer<'a> {
             }
         }
         Chain { nodes: self.nodes, parameters: self.parameters, drive: self.drive, nuisances }
+    }
+}
+
+/// A parameter of the model, whose first node is found later.
+fn of_model(name: &str, unit: &str, (low, high): (f64, f64), step: f64, prior: f64) -> Parameter {
+    Parameter {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        low,
+        high,
+        log: false,
+        step,
+        prior,
+        node: 0,
+        jumps: false,
+        is_base: true,
     }
 }

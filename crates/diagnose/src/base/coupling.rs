@@ -72,8 +72,7 @@ pub(super) fn joint(
             way(&coupling.node, to, from).ok_or_else(no_way)?;
         let values = takes.iter().map(|k| values[*k]).collect();
         let component = ComponentRef::Static(component);
-        let (links, reads_command) = (Vec::new(), false);
-        Ok((ComponentNode { component, structure, values, links, reads_command }, takes))
+        Ok((ComponentNode::new(component, structure, values), takes))
     };
     let own = node(to)?;
     let mut others = Vec::new();

@@ -1,5 +1,6 @@
 //! Runs of a component over the records of a data set.
 
+use components::mechanics::MODE;
 use model::{ComponentRef, Record, Way};
 
 use super::{ComponentNode, Horizon, ends_finite, ranges};
@@ -8,6 +9,17 @@ use crate::error::Failed;
 use crate::thresholds::fit::Thresholds;
 
 impl ComponentNode {
+    /// A component that reads its path alone, with these values in SI.
+    pub(crate) fn new(component: ComponentRef, structure: Vec<f64>, values: Vec<f64>) -> Self {
+        Self { component, structure, values, links: Vec::new(), reads_command: false }
+    }
+
+    /// A mode of the gain 1.
+    pub(crate) fn mode(frequency: f64, damping: f64) -> Self {
+        let component = ComponentRef::Static(&MODE);
+        Self::new(component, Vec::new(), vec![frequency, damping, 1.0])
+    }
+
     /// Values at this point, in SI.
     pub(crate) fn values_at(&self, theta: &[f64]) -> Vec<f64> {
         let mut values = self.values.clone();
@@ -60,22 +72,18 @@ impl ComponentNode {
             return Ok(false);
         }
         let mut values = before.to_vec();
-        let mut own = vec![0.0; out.len()];
+        let mut moved = vec![0.0; out.len()];
         for k in changed {
             let Some(part) = parts.iter().find(|part| part.takes.contains(&k)) else {
                 return Ok(false);
             };
             for (sign, value) in [(-1.0, before[k]), (1.0, after[k])] {
                 values[k] = value;
-                let of_part = Self {
-                    component: ComponentRef::Static(part.component),
-                    structure: part.structure.clone(),
-                    values: part.takes.iter().map(|k| values[*k]).collect(),
-                    links: Vec::new(),
-                    reads_command: false,
-                };
-                of_part.run_records(&[], (data, horizon), x, &mut own)?;
-                out.iter_mut().zip(&own).for_each(|(sum, own)| *sum += sign * own);
+                let component = ComponentRef::Static(part.component);
+                let own = part.takes.iter().map(|k| values[*k]).collect();
+                let of_part = Self::new(component, part.structure.clone(), own);
+                of_part.run_records(&[], (data, horizon), x, &mut moved)?;
+                out.iter_mut().zip(&moved).for_each(|(sum, moved)| *sum += sign * moved);
             }
         }
         Ok(true)

@@ -8,8 +8,6 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use components::mechanics::MODE;
-use model::ComponentRef;
 use surround::Span;
 
 use super::{Bench, Chain, ComponentNode, Horizon};
@@ -194,13 +192,7 @@ impl Joint {
         for (path, weight) in others.iter().zip(&weights[1..]) {
             moved.iter_mut().zip(path).for_each(|(sum, x)| *sum += weight * x);
         }
-        let mode = ComponentNode {
-            component: ComponentRef::Static(&MODE),
-            structure: Vec::new(),
-            values: vec![frequency, damping, 1.0],
-            links: Vec::new(),
-            reads_command: false,
-        };
+        let mode = ComponentNode::mode(frequency, damping);
         let mut of_mode = vec![0.0; moved.len()];
         mode.run_records(&[], (data, horizon), &moved, &mut of_mode)?;
         out.iter_mut().zip(of_mode).for_each(|(y, mode)| *y += factor * mode);

@@ -243,11 +243,10 @@ fn front(o: &Outcome) -> Option<Front> {
 fn hint(o: &Outcome) -> Option<Hint> {
     let last = &o.found.last;
     let (_, joint) = chain::joint(&last.chain.nodes)?;
-    let released = o.formulas(last).flat_map(|formula| formula.releases.clone());
-    let released: Vec<usize> = released.collect();
+    let released = o.released(last);
     let values = released.iter().filter_map(|k| {
         let name = &o.task.base.parameters[*k].name;
-        let at = last.chain.parameters.iter().position(|p| p.is_base && p.name == *name)?;
+        let at = last.chain.own(name)?;
         Some((name.clone(), last.fit.theta[at]))
     });
     let mode = joint.mode_values(&last.chain.parameters, &last.fit.theta);

@@ -40,16 +40,8 @@ fn mode() -> Chain {
 /// What the chain answers to steps at these coordinates.
 fn log(chain: &Chain, truth: &[f64]) -> DataSet {
     let rows = 600;
-    let record = RecordRows {
-        name: "a".to_owned(),
-        time: (0..rows).map(|k| 1e-3 * f64::from(k)).collect(),
-        command: (0..rows).map(|k| f64::from(k / 50 % 3)).collect(),
-        y: vec![0.0; rows as usize],
-        aux: Vec::new(),
-        others: Vec::new(),
-        run_in: 0,
-        training: 0.7,
-    };
+    let command = (0..rows).map(|k| f64::from(k / 50 % 3)).collect();
+    let record = RecordRows { command, ..RecordRows::still(rows as usize, 0.7) };
     let mut data = DataSet::new(vec![record], &[], None);
     let count = AtomicU64::new(0);
     let mut bench = Bench::new(chain, &data, Horizon::All, &count);

@@ -16,13 +16,10 @@ fn data() -> DataSet {
     let over = |seed: f64| (0..400).map(|k| at(k, seed)).collect::<Vec<f64>>();
     let record = |seed: f64| RecordRows {
         name: seed.to_string(),
-        time: (0..400).map(|k| 1e-3 * k as f64).collect(),
         command: over(seed),
         y: over(seed),
         aux: vec![over(0.3 + seed), over(0.5 + seed)],
-        others: Vec::new(),
-        run_in: 0,
-        training: 1.0,
+        ..RecordRows::still(400, 1.0)
     };
     let aux = [("neighbour".to_owned(), true), ("temperature".to_owned(), false)];
     DataSet::new(vec![record(0.1), record(0.7)], &aux, None)
@@ -30,23 +27,10 @@ fn data() -> DataSet {
 
 /// A model that passes its command on, with plays.
 fn base(is_white: bool) -> Base {
-    Base {
-        nodes: Vec::new(),
-        parameters: Vec::new(),
-        slots: Slot::ALL.iter().map(|slot| (*slot, 0)).collect::<BTreeMap<_, _>>(),
-        actuator: 0,
-        mode: None,
-        components: Vec::new(),
-        memory: Some(Memory {
-            r: vec![4.0, 9.0, 15.0, 22.0, 30.0],
-            w: vec![0.2, 0.1, 0.1, 0.05, 0.1],
-        }),
-        gain_tolerance: 0.01,
-        is_white,
-        late: None,
-        part: Part::Axis,
-        hints: Vec::new(),
-    }
+    let slots = Slot::ALL.iter().map(|slot| (*slot, 0)).collect::<BTreeMap<_, _>>();
+    let (r, w) = (vec![4.0, 9.0, 15.0, 22.0, 30.0], vec![0.2, 0.1, 0.1, 0.05, 0.1]);
+    let memory = Some(Memory { r, w });
+    Base { slots, memory, is_white, ..Base::empty(Part::Axis, 0.01) }
 }
 
 fn setting<'a>(base: &'a Base, data: &'a DataSet) -> Setting<'a> {

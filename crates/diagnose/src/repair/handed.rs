@@ -260,8 +260,7 @@ impl<'a> Written<'a> {
         let own = chain.parameters.len() - values.len();
         let mut start: Vec<f64> = std::iter::repeat_n(0.0, own).chain(values).collect();
         // When readings are taken is no part of a blueprint, and is what it was found to be.
-        let late = chain.parameters.iter().position(|p| p.is_base && p.name == LATE);
-        if let (Some(at), Some(late)) = (late, last.late()) {
+        if let (Some(at), Some(late)) = (chain.own(LATE), last.late()) {
             start[at] = late;
         }
         Some(Self { o, base, chain, start, count })

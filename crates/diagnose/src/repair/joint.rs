@@ -73,8 +73,7 @@ fn changes(o: &Outcome) -> Vec<Change> {
     let Some((node, joint)) = chain::joint(&base.nodes) else { return Vec::new() };
     let mut all = Vec::new();
     for p in base.parameters.iter().filter(|p| p.node == node) {
-        let mut own = last.chain.parameters.iter();
-        let Some(at) = own.position(|c| c.is_base && c.name == p.name) else { continue };
+        let Some(at) = last.chain.own(&p.name) else { continue };
         let (theta, std) = (last.fit.theta[at], last.fit.deviations[at]);
         all.extend(p.indices.iter().map(|(index, deviation)| Change {
             coupling: joint.coupling,

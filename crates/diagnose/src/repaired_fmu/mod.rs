@@ -9,6 +9,7 @@ use modeldescription::variable::Causality;
 use surround::{Block, Change, Effect, Original, Parameter, Piece, Port, Repair, Side, Variable};
 
 use crate::answer::scale_of;
+use crate::base::compose::GAIN;
 use crate::black_box::inner_step;
 use crate::chain::OWN_COMMAND;
 use crate::error::Error;
@@ -308,16 +309,9 @@ impl<'a> Maker<'a> {
             let start = value / factor;
             let min = free.log.then(|| start.min(free.low / factor));
             let unit = model::unit_on_axis(free.unit, &o.task.command_unit, &o.task.unit);
-            effect.parameters.push(Parameter {
-                name: plain(free.name),
-                description: format!("{}: {}", effect.name, free.name),
-                unit,
-                factor,
-                start,
-                min,
-                max: None,
-                reference: self.reference(),
-            });
+            let description = format!("{}: {}", effect.name, free.name);
+            let own = self.parameter(&plain(free.name), description, &unit, start);
+            effect.parameters.push(Parameter { factor, min, ..own });
         }
         let number = self.repair.effects.len();
         for k in &formula.releases {
@@ -325,6 +319,26 @@ impl<'a> Maker<'a> {
         }
         self.repair.effects.push(effect);
         Ok(())
+    }
+
+    /// A parameter of an effect without bounds, in SI.
+    fn parameter(&mut self, name: &str, description: String, unit: &str, start: f64) -> Parameter {
+        let (name, unit, reference) = (name.to_owned(), unit.to_owned(), self.reference());
+        Parameter { name, description, unit, factor: 1.0, start, min: None, max: None, reference }
+    }
+
+    /// A block behind the output, in this place.
+    fn at_output(
+        &mut self,
+        o: &Outcome,
+        place: u32,
+        parameters: Vec<usize>,
+        block: Block,
+    ) -> Result<Piece, Error> {
+        let drive = self.port(&o.task.input, true, &o.task.command_unit)?;
+        let port = self.port(&o.task.output, false, &o.task.unit)?;
+        let side = Side::Output;
+        Ok(Piece { side, port, drive, auxiliary: None, place, parameters, block })
     }
 
     /// Whether an effect changes this parameter of the FMU already.
@@ -345,24 +359,17 @@ impl<'a> Maker<'a> {
     ) -> Result<(), Error> {
         let described = &o.task.base.parameters[base];
         let last = &o.found.last;
-        let at = last.chain.parameters.iter().position(|p| p.is_base && p.name == described.name);
-        let Some(at) = at else { return Ok(()) };
+        let Some(at) = last.chain.own(&described.name) else { return Ok(()) };
         // Several outputs may show it; a change of one is a change for all.
         if self.is_changed(&described.name)? {
             return Ok(());
         }
         let (variable, element) = self.variable(&described.name)?;
         let parameter = effect.parameters.len();
-        effect.parameters.push(Parameter {
-            name: format!("change_of_{}", plain(&described.name)),
-            description: format!("is added to {}", described.name),
-            unit: described.unit.clone(),
-            factor: 1.0,
-            start: described.deviation * last.fit.theta[at],
-            min: None,
-            max: None,
-            reference: self.reference(),
-        });
+        let name = format!("change_of_{}", plain(&described.name));
+        let description = format!("is added to {}", described.name);
+        let start = described.deviation * last.fit.theta[at];
+        effect.parameters.push(self.parameter(&name, description, &described.unit, start));
         self.repair.changes.push(Change { variable, element, effect: number, parameter });
         Ok(())
     }
@@ -380,35 +387,22 @@ impl<'a> Maker<'a> {
             blocks: Vec::new(),
         };
         let number = self.repair.effects.len();
-        let released: Vec<usize> = last
-            .picks
-            .iter()
-            .flat_map(|(f, k)| o.library[*f].formulas[*k].releases.clone())
-            .collect();
+        let released = o.released(last);
         for (k, p) in o.task.base.parameters.iter().enumerate() {
             if with_parameters && p.has_tolerance && !released.contains(&k) {
                 self.change(o, k, number, &mut effect)?;
             }
         }
-        let gain = last.chain.parameters.iter().position(|p| p.is_base && p.name == "output.gain");
-        if let Some(k) = gain {
-            let drive = self.port(&o.task.input, true, &o.task.command_unit)?;
-            let port = self.port(&o.task.output, false, &o.task.unit)?;
-            let parameters = vec![effect.parameters.len()];
-            effect.parameters.push(Parameter {
-                name: "gain".to_owned(),
-                description: format!("factor of {}", o.task.output),
-                unit: "1".to_owned(),
-                factor: 1.0,
-                start: 1.0 + o.task.base.gain_tolerance * last.fit.theta[k],
-                min: None,
-                max: None,
-                reference: self.reference(),
-            });
-            let (block, side) = (Block::Factor, Side::Output);
-            let piece =
-                Piece { side, port, drive, auxiliary: None, place: LAST, parameters, block };
-            effect.blocks.push(piece);
+        if let Some(k) = last.chain.own(GAIN) {
+            effect.blocks.push(self.at_output(
+                o,
+                LAST,
+                vec![effect.parameters.len()],
+                Block::Factor,
+            )?);
+            let start = 1.0 + o.task.base.gain_tolerance * last.fit.theta[k];
+            let description = format!("factor of {}", o.task.output);
+            effect.parameters.push(self.parameter("gain", description, "1", start));
         }
         self.offset(o, &mut effect)?;
         self.repair.effects.push(effect);
@@ -422,29 +416,16 @@ impl<'a> Maker<'a> {
             return Ok(());
         }
         let factor = o.task.factor;
-        let piece = Piece {
-            side: Side::Output,
-            port: self.port(&o.task.output, false, &o.task.unit)?,
-            drive: self.port(&o.task.input, true, &o.task.command_unit)?,
-            auxiliary: None,
-            place: LAST,
-            parameters: vec![effect.parameters.len()],
-            block: Block::Offset,
-        };
-        effect.parameters.push(Parameter {
-            name: "offset".to_owned(),
-            description: format!(
-                "is added to {}: the offset that all records share",
-                o.task.output
-            ),
-            unit: o.task.unit.clone(),
-            factor,
-            start: shared / factor,
-            min: None,
-            max: None,
-            reference: self.reference(),
-        });
-        effect.blocks.push(piece);
+        effect.blocks.push(self.at_output(
+            o,
+            LAST,
+            vec![effect.parameters.len()],
+            Block::Offset,
+        )?);
+        let description =
+            format!("is added to {}: the offset that all records share", o.task.output);
+        let own = self.parameter("offset", description, &o.task.unit, shared / factor);
+        effect.parameters.push(Parameter { factor, ..own });
         Ok(())
     }
 
@@ -452,15 +433,7 @@ impl<'a> Maker<'a> {
     fn steps(&mut self, o: &Outcome) -> Result<(), Error> {
         let Some(steps) = o.task.steps else { return Ok(()) };
         let half = o.task.data.output_span.half;
-        let piece = Piece {
-            side: Side::Output,
-            port: self.port(&o.task.output, false, &o.task.unit)?,
-            drive: self.port(&o.task.input, true, &o.task.command_unit)?,
-            auxiliary: None,
-            place: LAST + 1,
-            parameters: vec![0, 1],
-            block: Block::Rounding { half },
-        };
+        let piece = self.at_output(o, LAST + 1, vec![0, 1], Block::Rounding { half })?;
         let name = self.name(components::effects::SENSOR_QUANTISATION.name, o);
         let mut effect = Effect {
             description: "sensor quantisation: rounding to the steps that the readings show"
@@ -473,16 +446,8 @@ impl<'a> Maker<'a> {
         };
         let values = [("steps_over_the_range", 2.0 * half / steps.size), ("phase", steps.phase)];
         for (name, start) in values {
-            effect.parameters.push(Parameter {
-                name: name.to_owned(),
-                description: format!("{}: {}", effect.name, name.replace('_', " ")),
-                unit: "1".to_owned(),
-                factor: 1.0,
-                start,
-                min: None,
-                max: None,
-                reference: self.reference(),
-            });
+            let description = format!("{}: {}", effect.name, name.replace('_', " "));
+            effect.parameters.push(self.parameter(name, description, "1", start));
         }
         self.repair.effects.push(effect);
         Ok(())

@@ -215,14 +215,9 @@ mod tests {
         let mut noise = || 0.1 * ((0..12).map(|_| random.uniform()).sum::<f64>() - 6.0);
         let rows = 600;
         let record = RecordRows {
-            name: "a".to_owned(),
-            time: (0..rows).map(|k| SAMPLE * f64::from(k)).collect(),
             command: (0..rows).map(|k| command(f64::from(k))).collect(),
             y: (0..rows).map(|k| command(f64::from(k) - 7.0) + noise()).collect(),
-            aux: Vec::new(),
-            others: Vec::new(),
-            run_in: 0,
-            training: 0.7,
+            ..RecordRows::still(rows as usize, 0.7)
         };
         let mut synthetic = Synthetic::new(&[], &[]);
         synthetic.data = DataSet::new(vec![record], &[], None);

@@ -85,13 +85,10 @@ impl Synthetic {
             };
             RecordRows {
                 name: name.to_string(),
-                time: (0..ROWS).map(|k| 1e-3 * k as f64).collect(),
                 command: command.clone(),
                 y: (0..ROWS).map(|k| read(k) + noise()).collect(),
                 aux: columns.iter().map(|tones| over(tones)).collect(),
-                others: Vec::new(),
-                run_in: 0,
-                training: 0.7,
+                ..RecordRows::still(ROWS, 0.7)
             }
         };
         let names: Vec<_> = (0..columns.len()).map(|k| (k.to_string(), false)).collect();
@@ -99,20 +96,8 @@ impl Synthetic {
         let judge = Judge::new(&data, Shape::WHITE);
         let family = |k: usize| Family::new(EFFECTS[k], vec![adds(k)]);
         let library = (0..columns.len()).map(family).collect();
-        let base = Base {
-            nodes: Vec::new(),
-            parameters: Vec::new(),
-            slots: BTreeMap::from([(Slot::Reading, 0)]),
-            actuator: 0,
-            mode: None,
-            components: Vec::new(),
-            memory: None,
-            gain_tolerance: 0.01,
-            is_white: true,
-            late: None,
-            part: Part::Axis,
-            hints: Vec::new(),
-        };
+        let slots = BTreeMap::from([(Slot::Reading, 0)]);
+        let base = Base { slots, is_white: true, ..Base::empty(Part::Axis, 0.01) };
         Self { base, data, judge, library, count: AtomicU64::new(0), max_effects: 3 }
     }
 
