@@ -1,4 +1,8 @@
-//! What static couplings do, and how it is inverted.
+//! What static couplings do, and how it is inverted: the motion of each axis, worked out of the readings of all of them.
+//!
+//! Behind the axes' motions m stand couplings without memory and one and the same linear filter F on every axis, so
+//! that the readings are `y = F(A·m + b)`. Then `A⁻¹·(y − F(b)) = F(m)`: each axis shows alone, and an effect in it
+//! is found from all readings at once.
 
 use data::{CheckedBlueprint, Log};
 use model::{CouplingSpec, NodeSpec, Source, Tick};

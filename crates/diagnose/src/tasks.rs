@@ -1,5 +1,7 @@
 //! From a request to its tasks, one per output.
 
+mod motions;
+
 use data::CheckedBlueprint;
 use model::Causality;
 
@@ -7,8 +9,8 @@ use crate::base::{Base, Part};
 use crate::error::Error;
 use crate::port::{Port, check_names, choose};
 use crate::request::{Model, Noise, Request};
+use crate::tap;
 use crate::task::{Task, assemble};
-use crate::{coupled, tap};
 
 /// All tasks of a request.
 pub(crate) fn of(request: &Request) -> Result<Vec<Task>, Error> {
@@ -78,7 +80,7 @@ fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Task>, E
     let chosen = choose(request, model, &outputs)?;
     let step = Some(blueprint.spec().period);
     let tuned = (&request.tolerances[..], request.gain_tolerance);
-    let mut all = coupled::tasks(request, blueprint, (&inputs, &outputs), &chosen)?;
+    let mut all = motions::tasks(request, blueprint, (&inputs, &outputs), &chosen)?;
     let is_coupled = |index: &usize| all.iter().any(|p: &Task| p.axis == index + 1);
     let apart: Vec<usize> = chosen.into_iter().filter(|index| !is_coupled(index)).collect();
     for index in apart {
@@ -90,7 +92,7 @@ fn white(request: &Request, blueprint: &CheckedBlueprint) -> Result<Vec<Task>, E
             }
             monitor => {
                 let mut task = assemble(request, &inputs, &outputs, index, index, base, step)?;
-                task.warnings.extend(monitor.map(|m| coupled::not_cut(&m)));
+                task.warnings.extend(monitor.map(|m| motions::not_cut(&m)));
                 all.push(task);
             }
         }
