@@ -93,8 +93,9 @@ impl<'a> Fitter<'a> {
         self.work(chain).fit(start, None, false)
     }
 
-    /// Fits with all sensitivities at each turn's own point in the end. A chain with an FMU of many parameters begins with the sensitivities that are known from
-    /// another chain, and does not get its own where it leaves far more than a mean square of `best`.
+    /// Fits with all sensitivities at each turn's own point in the end. A chain with an FMU of many parameters begins with
+    /// the sensitivities that are known from another chain, and does not get its own where it leaves far more than a mean
+    /// square of `best`.
     ///
     /// # Errors
     /// [`Failed`]: the chain cannot be simulated there.

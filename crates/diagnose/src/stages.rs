@@ -172,8 +172,8 @@ impl Run<'_> {
         Ok(self.over_all_rows(task, Base { retuned, given, scale, position }))
     }
 
-    /// The base with the model fitted to all rows, where that leaves nothing. Parameters that the fitted rows do not determine predict
-    /// nothing: what they leave on the held-out rows is no missing effect.
+    /// The base with the model fitted to all rows, where that leaves nothing. Parameters that the fitted rows do not
+    /// determine predict nothing: what they leave on the held-out rows is no missing effect.
     fn over_all_rows(&self, mut task: Task, base: Base) -> (Task, Base) {
         let Base { retuned, scale, .. } = &base;
         // What the fitted rows show stays when more are fitted.
