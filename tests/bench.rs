@@ -230,7 +230,7 @@ fn a_dead_machine_is_a_fault_of_the_run() {
 }
 
 #[test]
-fn a_machine_with_other_channels_is_told() {
+fn a_machine_with_other_channels_is_reported() {
     let (folder, port) = (stage(1.0), port());
     let plan = std::fs::read_to_string(folder.path().join("plan.toml")).unwrap();
     let axis = "[[axis]]\ncommand_limits = [-2, 12]\n[watch]";
@@ -444,7 +444,7 @@ fn the_terminal_view_shows_the_run_on_a_terminal_and_q_stops_it() {
 }
 
 #[test]
-fn a_campaign_is_tried_and_what_ends_otherwise_is_told() {
+fn a_campaign_is_tried_and_what_ends_otherwise_is_reported() {
     let folder = stage(2.0);
     let campaign = "plan = \"plan.toml\"\nplant = \"p1\"\nheartbeat = 20\n\
         [[case]]\nname = \"silence\"\nat = [60, 80]\n\
@@ -502,7 +502,7 @@ fn the_document_has_the_table_of_the_code() {
 }
 
 #[test]
-fn wrong_plans_and_options_are_told() {
+fn wrong_plans_and_options_are_reported() {
     let folder = stage(1.0);
     let here = folder.path();
     let message = refuse(&["bench", "run", "--plan", "plan.toml"], here);

@@ -71,7 +71,7 @@ fn left(folder: &Path, record: &str) -> Option<usize> {
 }
 
 #[test]
-fn a_record_is_whole_or_comes_back_from_its_journal() {
+fn a_record_is_complete_or_comes_back_from_its_journal() {
     let traced = Command::new("strace").args(["-o", "/dev/null", "true"]).output();
     if !traced.is_ok_and(|output| output.status.success()) {
         println!("SKIPPED: no strace, or no process may be traced here");

@@ -249,9 +249,9 @@ fn a_full_disk_is_told_and_loses_nothing() {
 
 /// Where one file of a call fits and the next one does not, the error names both.
 #[test]
-fn what_is_written_and_what_is_not_is_said() {
+fn what_is_written_and_what_is_not_is_stated() {
     let Some(disk) = SmallDisk::new() else { return };
-    let mut said_both = 0;
+    let mut reports_both = 0;
     for job in jobs().iter().filter(|job| job.files.len() > 1 && job.time < Duration::from_secs(8))
     {
         // Room for all of them but some kilobytes: a disk has blocks of four. A page that says how long the work took is
@@ -283,10 +283,10 @@ fn what_is_written_and_what_is_not_is_said() {
             let is_reported = missing.contains(&path) || before.contains(&path);
             assert!(is_reported && !written.contains(&path), "{}, {name}: {message}", job.name);
         }
-        said_both += 1;
+        reports_both += 1;
     }
-    println!("{said_both} commands wrote some of their files");
-    assert!(said_both >= 4, "only {said_both}");
+    println!("{reports_both} commands wrote some of their files");
+    assert!(reports_both >= 4, "only {reports_both}");
 }
 
 #[test]
@@ -305,7 +305,7 @@ fn a_folder_that_is_read_only_is_told_before_the_work() {
 }
 
 #[test]
-fn missing_permissions_are_told() {
+fn missing_permissions_are_reported() {
     let nobody = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"];
     let is_possible = Command::new(nobody[0])
         .args(&nobody[1..])

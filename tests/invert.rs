@@ -194,7 +194,7 @@ fn the_page_has_loop_step_and_waves_of_each_axis() {
 }
 
 #[test]
-fn what_a_reference_asks_beyond_the_limits_is_said() {
+fn what_a_reference_asks_beyond_the_limits_is_stated() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     succeed(&["signal", "p0-trajectory-1", "-o", "path.csv"], at);

@@ -84,7 +84,7 @@ fn limited(most: u32, words: &[String], folder: &Path, temporary: &Path) -> Outp
 }
 
 #[test]
-fn few_threads_and_processes_are_enough_or_said() {
+fn few_threads_and_processes_are_enough_or_stated() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     allow(at, 0o755);

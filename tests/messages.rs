@@ -42,7 +42,7 @@ fn times(folder: &Path) -> Vec<f64> {
 }
 
 #[test]
-fn a_run_that_the_fmu_ends_is_kept_and_its_end_told() {
+fn a_run_that_the_fmu_ends_is_kept_and_its_end_reported() {
     let Some(folder) = prepared() else { return };
     let at = folder.path();
     let grid: Vec<f64> = (0..6).map(|k| f64::from(k) / 10.0).collect();
@@ -153,7 +153,7 @@ fn an_fmu_that_leaves_the_program_is_no_success() {
 }
 
 #[test]
-fn the_time_of_a_call_is_bounded_however_much_is_said() {
+fn the_time_of_a_call_is_bounded_however_much_is_stated() {
     let Some(folder) = prepared() else { return };
     let at = folder.path();
     let begin = Instant::now();

@@ -56,7 +56,7 @@ fn axe() -> Result<PathBuf, String> {
     let wanted = read(&from.join("package-lock.json"))?;
     let file = folder.join("node_modules/axe-core/axe.min.js");
     let stamp = folder.join("stamp");
-    if file.is_file() && read(&stamp).is_ok_and(|made_with| made_with == wanted) {
+    if file.is_file() && read(&stamp).is_ok_and(|version| version == wanted) {
         return Ok(file);
     }
     fs::create_dir_all(&folder).map_err(|e| e.to_string())?;

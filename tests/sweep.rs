@@ -215,7 +215,7 @@ fn systems_and_campaigns_are_swept_too() {
 }
 
 #[test]
-fn what_is_wrong_with_a_plan_is_told() {
+fn what_is_wrong_with_a_plan_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     prepared(folder);

@@ -163,7 +163,7 @@ fn extrapolated_inputs_are_nearer_to_the_truth_than_held_ones() {
 }
 
 #[test]
-fn what_cannot_be_run_is_told() {
+fn what_cannot_be_run_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     prepared(folder);

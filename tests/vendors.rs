@@ -151,7 +151,7 @@ fn a_crash_of_this_process_is_told_of_with_the_fmu_and_its_call() {
 }
 
 #[test]
-fn memory_beyond_the_limit_is_not_given_and_the_limit_told() {
+fn memory_beyond_the_limit_is_not_given_and_the_limit_reported() {
     let folder = prepared();
     if !has_compiler() {
         return;
@@ -251,7 +251,7 @@ fn statuses_lies_and_numbers_that_are_none_are_named_and_the_record_kept() {
 }
 
 #[test]
-fn what_an_fmu_changes_of_the_program_is_put_back_and_told() {
+fn what_an_fmu_changes_of_the_program_is_put_back_and_reported() {
     let folder = prepared();
     if !has_compiler() {
         return;

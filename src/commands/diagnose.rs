@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use cli::{Answer, PageOptions, Pages, STANDARD_OUTPUT, Screen};
-use data::WholeFile;
+use data::AtomicFile;
 use diagnose::{Discrepancy, Files, Gap, Model, Noise, Observer, Request, Tolerance, Verdict};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -254,13 +254,13 @@ impl Diagnose {
         });
         if let Some(file) = self.json_file() {
             let text = serde_json::to_string_pretty(&diagnosis.gap)? + "\n";
-            WholeFile::write_all_of(file, text.as_bytes())
+            AtomicFile::write_all_of(file, text.as_bytes())
                 .with_context(|| format!("{} cannot be written", file.display()))?;
             written.push(file.to_owned());
         }
         if let Some(file) = &self.picture {
             let svg = diagnosis.picture().context("there is no output to draw")?;
-            WholeFile::write_all_of(file, svg.as_bytes())
+            AtomicFile::write_all_of(file, svg.as_bytes())
                 .with_context(|| format!("{} cannot be written", file.display()))?;
             written.push(file.clone());
         }
@@ -281,7 +281,7 @@ impl Diagnose {
         if let Some(file) = &self.next_experiment {
             match diagnosis.next_experiment_csv() {
                 Some(text) => {
-                    WholeFile::write_all_of(file, text.as_bytes())
+                    AtomicFile::write_all_of(file, text.as_bytes())
                         .with_context(|| format!("{} cannot be written", file.display()))?;
                     written.push(file.clone());
                     experiment = Some(file.as_path());

@@ -31,7 +31,7 @@ impl EffectsDocs {
             let parent = path.parent().context("a page has a folder")?;
             std::fs::create_dir_all(parent)
                 .with_context(|| format!("{} cannot be made", parent.display()))?;
-            data::WholeFile::write_all_of(&path, text.as_bytes())
+            data::AtomicFile::write_all_of(&path, text.as_bytes())
                 .with_context(|| format!("{} cannot be written", path.display()))?;
         }
         screen.show(&Pages { folder: self.folder, files: pages.len() })

@@ -135,7 +135,7 @@ impl GapBench {
         report.write_html(&page)?;
         let pages = self.page.write(|| Ok(report))?;
         let json = serde_json::to_vec_pretty(&scores)?;
-        data::WholeFile::write_all_of(&root.join("scores.json"), &json)?;
+        data::AtomicFile::write_all_of(&root.join("scores.json"), &json)?;
         let pages = self.page.with_own(pages, &page);
         let drawn = cases.len();
         pages.show(
@@ -180,7 +180,7 @@ impl Documented {
         report.write_html(&page)?;
         let pages = self.page.write(|| Ok(report))?;
         let json = serde_json::to_vec_pretty(&real)?;
-        data::WholeFile::write_all_of(&root.join("scores.json"), &json)?;
+        data::AtomicFile::write_all_of(&root.join("scores.json"), &json)?;
         let is_broken = |m: &gap_bench::Measured| m.judgement == gap_bench::Judgement::Broken;
         let is_bad = real.sure_and_invented() > 0 || real.machines.iter().any(is_broken);
         let pages = self.page.with_own(pages, &page);

@@ -264,7 +264,7 @@ impl Identify {
         }
         if let (Some(file), Some(axis)) = (&self.picture, result.axes.first()) {
             let svg = pages::picture(axis).context("there is no record to draw")?;
-            data::WholeFile::write_all_of(file, svg.as_bytes())
+            data::AtomicFile::write_all_of(file, svg.as_bytes())
                 .with_context(|| format!("{} cannot be written", file.display()))?;
         }
         Ok(result)

@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::Args;
 use clap_complete::Shell;
 use cli::{Answer, Screen};
-use data::WholeFile;
+use data::AtomicFile;
 use serde::Serialize;
 
 use crate::usage;
@@ -87,7 +87,7 @@ fn pages(command: &clap::Command, folder: &Path, files: &mut Vec<PathBuf>) -> an
     let is_ours = || std::fs::read_to_string(&path).is_ok_and(|page| page.contains("piezoloop"));
     files::check_beside(&path, is_ours)
         .with_context(|| format!("{}: cannot be written", path.display()))?;
-    WholeFile::write_all_of(&path, &page)
+    AtomicFile::write_all_of(&path, &page)
         .with_context(|| format!("{}: cannot be written", path.display()))?;
     files.push(path);
     let shown = command.get_subcommands().filter(|command| !command.is_hide_set());

@@ -8,8 +8,8 @@ use super::{python, root};
 
 /// The interpreter with the foreign tools, or `None` with a line that says why tests are skipped.
 pub(crate) fn python() -> Option<&'static Path> {
-    static MADE: OnceLock<Option<PathBuf>> = OnceLock::new();
-    MADE.get_or_init(|| environment("foreign")).as_deref()
+    static ENVIRONMENT: OnceLock<Option<PathBuf>> = OnceLock::new();
+    ENVIRONMENT.get_or_init(|| environment("foreign")).as_deref()
 }
 
 /// The interpreter with the packages of `tests/python/requirements-<name>.txt`, made once under

@@ -42,7 +42,7 @@ pub(crate) fn environment(
     let folder = target.join(folder);
     let interpreter = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let stamp = folder.join("requirements.txt");
-    if text(&stamp).is_ok_and(|made_with| made_with == wanted) {
+    if text(&stamp).is_ok_and(|version| version == wanted) {
         return Ok(interpreter);
     }
     let _ = fs::remove_dir_all(&folder);

@@ -22,7 +22,7 @@ pub fn can_write(output: &Path) -> anyhow::Result<()> {
     if std::fs::metadata(output).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
         return Ok(());
     }
-    let begun = data::WholeFile::create(output);
+    let begun = data::AtomicFile::create(output);
     begun.map(drop).with_context(|| format!("{} cannot be written", output.display()))
 }
 

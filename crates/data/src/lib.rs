@@ -7,7 +7,7 @@
 //! * [`NameMap`]: which column of a log belongs to which variable of a model.
 //! * [`Uniform`]: a signal on a uniform grid, and its resampling onto another one.
 //! * [`Fit`]: figures of agreement between two signals.
-//! * [`WholeFile`]: a file that appears whole or not at all.
+//! * [`AtomicFile`]: a file that appears whole or not at all.
 
 mod blueprint;
 #[cfg(feature = "logs")]
@@ -35,7 +35,7 @@ pub use blueprint::{
 };
 #[cfg(feature = "logs")]
 pub use counted::counted;
-pub use files::WholeFile;
+pub use files::AtomicFile;
 #[cfg(feature = "logs")]
 pub use fit::{Fit, FitError};
 #[cfg(feature = "formats")]

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// A target that exists and is no regular file (a pipe, `/dev/stdout`) is written to directly; a
 /// symbolic link stays one, its file is written. A file that is replaced keeps its permissions.
 #[derive(Debug)]
-pub struct WholeFile {
+pub struct AtomicFile {
     target: PathBuf,
     /// The temporary file; `None` once committed, or for a pipe.
     temporary: Option<PathBuf>,
@@ -27,7 +27,7 @@ pub struct WholeFile {
 /// Numbers the temporary files of this process.
 static COUNTER: AtomicU64 = AtomicU64::new(0);
 
-impl WholeFile {
+impl AtomicFile {
     /// Starts to write the file `target`.
     ///
     /// # Errors
@@ -129,7 +129,7 @@ fn follow(link: &Path) -> io::Result<PathBuf> {
     ))
 }
 
-impl Write for WholeFile {
+impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match &mut self.writer {
             Some(writer) => writer.write(bytes),
@@ -142,7 +142,7 @@ impl Write for WholeFile {
 }
 
 /// What is written so far can be overwritten; not through a pipe.
-impl Seek for WholeFile {
+impl Seek for AtomicFile {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         match &mut self.writer {
             Some(writer) => writer.seek(to),
@@ -151,7 +151,7 @@ impl Seek for WholeFile {
     }
 }
 
-impl Drop for WholeFile {
+impl Drop for AtomicFile {
     fn drop(&mut self) {
         drop(self.writer.take());
         if let Some(temporary) = self.temporary.take() {
@@ -170,7 +170,7 @@ pub fn in_place(target: &Path) -> io::Result<File> {
     if fs::metadata(target).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
         return OpenOptions::new().write(true).open(target);
     }
-    drop(WholeFile::create(target)?);
+    drop(AtomicFile::create(target)?);
     let file = File::create(target)?;
     note_written(target);
     Ok(file)
@@ -255,7 +255,7 @@ mod tests {
     fn appears_only_when_committed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.csv");
-        let mut file = WholeFile::create(&path).unwrap();
+        let mut file = AtomicFile::create(&path).unwrap();
         file.write_all(b"new").unwrap();
         assert!(!path.exists());
         file.commit().unwrap();
@@ -268,7 +268,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.csv");
         fs::write(&path, "old").unwrap();
-        let mut file = WholeFile::create(&path).unwrap();
+        let mut file = AtomicFile::create(&path).unwrap();
         file.write_all(b"half").unwrap();
         drop(file);
         assert_eq!(fs::read(&path).unwrap(), b"old");
@@ -283,7 +283,7 @@ mod tests {
         let mut protected = fs::metadata(&path).unwrap().permissions();
         protected.set_readonly(true);
         fs::set_permissions(&path, protected).unwrap();
-        let error = WholeFile::write_all_of(&path, b"new").unwrap_err();
+        let error = AtomicFile::write_all_of(&path, b"new").unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::PermissionDenied);
         assert!(error.to_string().contains("write-protected"), "{error}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
@@ -293,8 +293,8 @@ mod tests {
     #[test]
     fn refuses_folders_and_absent_folders() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(WholeFile::create(folder.path()).is_err());
-        assert!(WholeFile::create(&folder.path().join("no/run.csv")).is_err());
+        assert!(AtomicFile::create(folder.path()).is_err());
+        assert!(AtomicFile::create(&folder.path().join("no/run.csv")).is_err());
     }
 
     #[cfg(unix)]
@@ -311,10 +311,10 @@ mod tests {
         symlink("b", at("a")).unwrap();
         symlink("a", at("b")).unwrap();
         for name in ["link", "dangling", "device"] {
-            WholeFile::write_all_of(&at(name), b"new").unwrap();
+            AtomicFile::write_all_of(&at(name), b"new").unwrap();
             assert!(fs::symlink_metadata(at(name)).unwrap().is_symlink(), "{name}");
         }
-        assert!(WholeFile::write_all_of(&at("a"), b"new").is_err());
+        assert!(AtomicFile::write_all_of(&at("a"), b"new").is_err());
         assert_eq!(fs::read(at("private")).unwrap(), b"new");
         assert_eq!(fs::read(at("absent")).unwrap(), b"new");
         assert_eq!(fs::metadata(at("private")).unwrap().permissions().mode() & 0o777, 0o600);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use data::{Log, ReadOptions, UnitPlace, WholeFile};
+use data::{AtomicFile, Log, ReadOptions, UnitPlace};
 use gap_machines::{Kind, Order, Record, Scene, TOLERANCES, rounded};
 use serde::{Deserialize, Serialize};
 
@@ -209,7 +209,7 @@ fn log(records: &[&Record], period: f64, path: &Path) -> Result<(), Error> {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    at(path, WholeFile::write_all_of(path, bytes))
+    at(path, AtomicFile::write_all_of(path, bytes))
 }
 
 /// Writes a value as JSON.

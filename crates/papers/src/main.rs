@@ -218,7 +218,7 @@ fn keep(one: &Reproduction, tool: &Tool, folder: &Path) -> anyhow::Result<()> {
     }
     for (name, text) in [("figures", figures), ("orders", orders)] {
         let file = folder.join(format!("{}-{name}.csv", one.part));
-        data::WholeFile::write_all_of(&file, text.as_bytes())
+        data::AtomicFile::write_all_of(&file, text.as_bytes())
             .with_context(|| format!("{} cannot be written", file.display()))?;
     }
     Ok(())

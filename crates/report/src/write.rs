@@ -6,7 +6,7 @@ use crate::error::ReportError;
 
 /// Writes `text` as the complete file `path`.
 pub(crate) fn complete(path: &Path, text: &str) -> Result<(), ReportError> {
-    files::WholeFile::write_all_of(path, text.as_bytes())
+    files::AtomicFile::write_all_of(path, text.as_bytes())
         .map_err(|source| ReportError::Write { path: path.to_path_buf(), source })
 }
 

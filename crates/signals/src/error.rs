@@ -70,7 +70,7 @@ pub enum Problem {
     /// A fraction where a whole number is needed.
     #[error("{name} = {value} must be a whole number; {} and {} are the nearest",
         .value.floor(), .value.ceil())]
-    NotWhole {
+    NotInteger {
         /// Name of the parameter.
         name: &'static str,
         /// Value as given.

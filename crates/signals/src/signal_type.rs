@@ -202,7 +202,7 @@ fn out_of_bounds(parameter: &Parameter, value: f64) -> Option<Problem> {
     if !(min..=max).contains(&value) {
         Some(Problem::OutOfRange { name, value, unit, min, max })
     } else if integer && value.fract() != 0.0 {
-        Some(Problem::NotWhole { name, value })
+        Some(Problem::NotInteger { name, value })
     } else {
         None
     }

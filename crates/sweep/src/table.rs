@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use data::WholeFile;
+use data::AtomicFile;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
@@ -61,14 +61,14 @@ impl Table {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let file = WholeFile::create(path).map_err(|error| Error::written(path, error))?;
+        let file = AtomicFile::create(path).map_err(|error| Error::written(path, error))?;
         let file = self
             .write_to(file)
             .map_err(|error| Error::written(path, std::io::Error::other(error)))?;
         file.commit().map_err(|error| Error::written(path, error))
     }
 
-    fn write_to(&self, file: WholeFile) -> Result<WholeFile, ParquetError> {
+    fn write_to(&self, file: AtomicFile) -> Result<AtomicFile, ParquetError> {
         let field = |name: &str, kind: ColumnKind, repetition: Repetition| {
             let (physical, logical) = match kind {
                 ColumnKind::Real => (Physical::DOUBLE, None),

@@ -200,7 +200,7 @@ impl PackageBuilder {
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), PackageError> {
         let path = path.as_ref();
         let bytes = self.to_bytes()?;
-        files::WholeFile::write_all_of(path, &bytes)
+        files::AtomicFile::write_all_of(path, &bytes)
             .map_err(|source| PackageError::Write { path: path.to_owned(), source })
     }
 }
@@ -215,7 +215,7 @@ pub(crate) fn write_archive<'a>(
         add(&mut zip, name, content)?;
     }
     let bytes = zip.finish().map_err(|error| failed("end of archive", &error))?;
-    files::WholeFile::write_all_of(path, &bytes.into_inner())
+    files::AtomicFile::write_all_of(path, &bytes.into_inner())
         .map_err(|source| PackageError::Write { path: path.to_owned(), source })
 }
 

@@ -36,9 +36,9 @@ impl Diagnose {
     }
 
     /// The libraries of other platforms, where they were given; for a repaired FMU that has another one inside, or not.
-    pub(super) fn libraries(&self, is_around: bool) -> anyhow::Result<Vec<Binary>> {
+    pub(super) fn libraries(&self, wraps: bool) -> anyhow::Result<Vec<Binary>> {
         let Some(folder) = &self.libraries else { return Ok(Vec::new()) };
-        let library = if is_around { Library::Wrap } else { Library::Blueprint };
+        let library = if wraps { Library::Wrap } else { Library::Blueprint };
         let mut all = packing::binaries_in(folder, library)?;
         all.retain(|binary| Some(binary.platform) != Platform::from_name(libraries::PLATFORM));
         Ok(all)

@@ -22,7 +22,7 @@ pub(super) fn write_set(out: &Path, asked: &[Asked], values: &[f64]) -> anyhow::
     };
     let parameters = shared.map(parameter).collect();
     let set = ParameterSet { parameters, ..ParameterSet::new("estimated") };
-    data::WholeFile::write_all_of(out, set.to_xml()?.as_bytes())
+    data::AtomicFile::write_all_of(out, set.to_xml()?.as_bytes())
         .with_context(|| format!("{} cannot be written", out.display()))?;
     Ok(out.to_path_buf())
 }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
-use data::{Column, Log, ReadOptions, WholeFile};
+use data::{AtomicFile, Column, Log, ReadOptions};
 use identify::frequency::{self, Complex, FrequencyResponse as Response};
 
 use crate::results::frequency_response::{Measured, Signal};
@@ -17,7 +17,7 @@ const OF_GREATEST: f64 = 1e-3;
 /// and what is not linear, of each output.
 pub(super) fn write(measured: &Measured, path: &Path) -> anyhow::Result<()> {
     let cannot = || format!("{} cannot be written", path.display());
-    let mut file = WholeFile::create(path).with_context(cannot)?;
+    let mut file = AtomicFile::create(path).with_context(cannot)?;
     {
         let mut table = csv::Writer::from_writer(&mut file);
         let mut head = vec!["frequency [Hz]".to_owned()];

@@ -72,7 +72,7 @@ impl Folder {
         }
         // Before the plants, so that those of a call that was ended are known as ours.
         let path = self.path.join(LIST);
-        data::WholeFile::write_all_of(&path, &serde_json::to_vec_pretty(&list)?)
+        data::AtomicFile::write_all_of(&path, &serde_json::to_vec_pretty(&list)?)
             .with_context(|| format!("{} cannot be written", path.display()))?;
         for (entry, (_, _, plant)) in list.iter().zip(richest.values()) {
             plant.write(&self.path.join(&entry.file))?;

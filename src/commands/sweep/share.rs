@@ -116,7 +116,7 @@ impl Bundle {
             }
         };
         let bytes = materials.to_bytes()?;
-        data::WholeFile::write_all_of(&self.out, &bytes)
+        data::AtomicFile::write_all_of(&self.out, &bytes)
             .with_context(|| format!("{} cannot be written", self.out.display()))?;
         screen.show(&Bundled { bundle: self.out, bytes: bytes.len(), runs, todo, journal })
     }

@@ -5,8 +5,8 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use data::{
-    ColumnHeader, ColumnUnit, LogWriter, Mf4About, Mf4Writer, ParquetLogWriter, UnitPlace,
-    WholeFile,
+    AtomicFile, ColumnHeader, ColumnUnit, LogWriter, Mf4About, Mf4Writer, ParquetLogWriter,
+    UnitPlace,
 };
 
 use super::journal::{About, JournalError, JournalReader};
@@ -107,7 +107,7 @@ pub fn convert(
     sink.finish().map_err(|error| error.at(file))?;
     if format == Format::Csv {
         let text = serde_json::to_vec_pretty(&about.provenance).map_err(io::Error::from);
-        let written = text.and_then(|text| WholeFile::write_all_of(&beside, &text));
+        let written = text.and_then(|text| AtomicFile::write_all_of(&beside, &text));
         written.map_err(|error| ConvertError::Io { path: beside, error })?;
     }
     Ok(Converted { file: file.to_owned(), rows, cut_off_bytes: reader.broken() })

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::Path;
 
-use data::{WholeFile, push_number};
+use data::{AtomicFile, push_number};
 
 use super::{Column, Recorder};
 
@@ -101,13 +101,13 @@ impl<W: Write> Recorder for CsvRecorder<W> {
 /// [`CsvFile::finish`]. Call that after a failed run too, to keep the record so far; dropped
 /// without it, nothing stays behind.
 pub struct CsvFile {
-    rows: CsvRecorder<WholeFile>,
+    rows: CsvRecorder<AtomicFile>,
 }
 
 impl CsvFile {
     /// Begins the file that will be at `path`.
     pub fn create(path: &Path) -> io::Result<Self> {
-        Ok(CsvFile { rows: CsvRecorder::new(WholeFile::create(path)?) })
+        Ok(CsvFile { rows: CsvRecorder::new(AtomicFile::create(path)?) })
     }
 
     /// See [`CsvRecorder::with_units`].

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use data::WholeFile;
+use data::AtomicFile;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -22,14 +22,14 @@ const DIGITS: usize = 20;
 /// several, and the recorded variables, all `<f8`. It appears whole or not at all, see
 /// [`CsvFile`](super::CsvFile); memory does not grow.
 pub struct NpyFile {
-    rows: Rows<WholeFile>,
+    rows: Rows<AtomicFile>,
 }
 
 /// An `.npz` file: an array of shape (rows,) per column, `numpy.load(…)["position[1]"]`. Rows go to
 /// a temporary file beside it and become columns at the end; memory does not grow.
 pub struct NpzFile {
     rows: Rows<BufWriter<File>>,
-    columns: WholeFile,
+    columns: AtomicFile,
 }
 
 /// Rows on disk, after space for a header.
@@ -80,7 +80,7 @@ impl<W: Write + Seek> Rows<W> {
 impl NpyFile {
     /// Begins the file that will be at `path`.
     pub fn create(path: &Path) -> io::Result<Self> {
-        Ok(NpyFile { rows: Rows::new(WholeFile::create(path)?) })
+        Ok(NpyFile { rows: Rows::new(AtomicFile::create(path)?) })
     }
 
     /// Gives the file its name, in place of a file that has it.
@@ -93,7 +93,7 @@ impl NpyFile {
 impl NpzFile {
     /// Begins the file that will be at `path`.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let columns = WholeFile::create(path)?;
+        let columns = AtomicFile::create(path)?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
         let rows = tempfile::tempfile_in(folder.unwrap_or(Path::new(".")))?;
         Ok(NpzFile { rows: Rows::new(BufWriter::new(rows)), columns })

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use data::{ParquetLogWriter, WholeFile};
+use data::{AtomicFile, ParquetLogWriter};
 
 use super::{Column, Recorder};
 
@@ -23,7 +23,7 @@ impl ParquetFile {
     /// Begins the file that will be at `path`.
     pub fn create(path: &Path) -> io::Result<Self> {
         // Tells now, not after the run, whether the folder can be written.
-        drop(WholeFile::create(path)?);
+        drop(AtomicFile::create(path)?);
         Ok(ParquetFile { writer: None, row: Vec::new(), record: 0, path: path.to_path_buf() })
     }
 

@@ -63,7 +63,7 @@ use origin::Origin;
 pub use record::{ParameterRecord, RecordValue};
 pub use table::npy_of;
 
-use crate::{Problem, Problems, WholeFile};
+use crate::{AtomicFile, Problem, Problems};
 
 /// Number of the file format, the value of the key `piezoloop`.
 const FORMAT: f64 = 1.0;
@@ -293,7 +293,7 @@ impl Blueprint {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Problems> {
-        WholeFile::write_all_of(path, self.to_toml().as_bytes())
+        AtomicFile::write_all_of(path, self.to_toml().as_bytes())
             .map_err(|error| Problem::unwritable(path, &error).into())
     }
 

@@ -10,7 +10,7 @@ use std::path::Path;
 use model::Table;
 
 use super::{Blueprint, CheckedBlueprint, ComponentBlueprint, TABLE, Value};
-use crate::{Problem, Problems, WholeFile};
+use crate::{AtomicFile, Problem, Problems};
 
 /// Greatest file that is read, in bytes.
 const MOST: u64 = 1 << 28;
@@ -72,7 +72,7 @@ impl CheckedBlueprint {
             // A table of the blueprint that is replaced.
             let is_ours = || std::fs::read_to_string(file).is_ok_and(|text| text.contains(&own));
             files::check_beside(&table, is_ours)
-                .and_then(|()| WholeFile::write_all_of(&table, &bytes))
+                .and_then(|()| AtomicFile::write_all_of(&table, &bytes))
                 .map_err(|error| Problem::unwritable(&table, &error))?;
             let parts = blueprint.axes.iter_mut().flat_map(|axis| &mut axis.components);
             for part in parts.filter(|part| part.get(TABLE) == Some(&name.as_str().into())) {

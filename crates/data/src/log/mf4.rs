@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::ColumnHeader;
-use crate::WholeFile;
+use crate::AtomicFile;
 
 /// Bytes of the identification at the begin of the file.
 const IDENTIFICATION: u64 = 64;
@@ -16,7 +16,7 @@ const ID: usize = 24;
 /// Writes an MF4 file row by row; it appears when [`finish`](Self::finish) is called, whole.
 #[derive(Debug)]
 pub struct Mf4Writer {
-    file: WholeFile,
+    file: AtomicFile,
     values: usize,
     promised: u64,
     rows: u64,
@@ -44,7 +44,7 @@ impl Mf4Writer {
         rows: u64,
         about: &Mf4About,
     ) -> io::Result<Self> {
-        let mut file = WholeFile::create(path)?;
+        let mut file = AtomicFile::create(path)?;
         file.write_all(&head(columns, rows, about))?;
         Ok(Mf4Writer { file, values: columns.len(), promised: rows, rows: 0 })
     }

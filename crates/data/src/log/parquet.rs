@@ -13,7 +13,7 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use crate::WholeFile;
+use crate::AtomicFile;
 
 /// Rows of a row group; so many are kept in memory.
 const GROUP: usize = 1 << 16;
@@ -22,7 +22,7 @@ const UNIT: &str = "unit:";
 
 /// Writes a Parquet log row by row; it appears when [`finish`](Self::finish) is called, whole.
 pub struct ParquetLogWriter {
-    writer: SerializedFileWriter<WholeFile>,
+    writer: SerializedFileWriter<AtomicFile>,
     columns: Vec<Vec<f64>>,
 }
 
@@ -63,7 +63,7 @@ impl ParquetLogWriter {
             .set_statistics_enabled(EnabledStatistics::None)
             .set_key_value_metadata(Some(time.chain(units).chain(more).collect()))
             .build();
-        let file = WholeFile::create(path)?;
+        let file = AtomicFile::create(path)?;
         let schema = Arc::new(schema.map_err(system)?);
         let writer = SerializedFileWriter::new(file, schema, Arc::new(properties));
         let writer = writer.map_err(system)?;

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use super::{ColumnUnit, Log, dataset, header};
 use crate::toml_text::{key, quoted};
-use crate::{Problem, Problems, WholeFile, push_number};
+use crate::{AtomicFile, Problem, Problems, push_number};
 
 /// Where the units of a log are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,8 +40,8 @@ pub struct ColumnHeader {
 #[derive(Debug)]
 pub struct LogWriter {
     origin: String,
-    file: WholeFile,
-    sidecar: Option<WholeFile>,
+    file: AtomicFile,
+    sidecar: Option<AtomicFile>,
     names: Vec<String>,
     is_numbered: bool,
     rows: usize,
@@ -64,7 +64,7 @@ impl LogWriter {
         check_names(&origin, columns)?;
         let unwritable =
             |path: &Path, error: &io::Error| Problems::from(Problem::unwritable(path, error));
-        let mut file = WholeFile::create(path).map_err(|error| unwritable(path, &error))?;
+        let mut file = AtomicFile::create(path).map_err(|error| unwritable(path, &error))?;
         let head = header_line(columns, is_numbered, units);
         file.write_all(head.as_bytes()).map_err(|error| unwritable(path, &error))?;
         let sidecar = match units {
@@ -124,7 +124,7 @@ impl LogWriter {
     /// The disk is full or the folder is gone; nothing remains of the log then.
     pub fn finish(mut self) -> Result<(), Problems> {
         let origin = std::mem::take(&mut self.origin);
-        let sidecar = self.sidecar.take().map_or(Ok(()), WholeFile::commit);
+        let sidecar = self.sidecar.take().map_or(Ok(()), AtomicFile::commit);
         sidecar.and_then(|()| self.file.commit()).map_err(|error| failed(&origin, &error))
     }
 }
@@ -181,7 +181,7 @@ pub fn renew_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<()> {
     if !sidecar.is_file() || keep_foreign(&sidecar).is_err() {
         return Ok(());
     }
-    WholeFile::write_all_of(&sidecar, sidecar_text(columns).as_bytes())
+    AtomicFile::write_all_of(&sidecar, sidecar_text(columns).as_bytes())
 }
 
 /// Writes the companion of a record that holds no units, where there are any or an earlier log has left one.
@@ -193,7 +193,7 @@ pub fn write_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<()> {
     if columns.iter().all(is_empty) && !dataset::sidecar_of(path).exists() {
         return Ok(());
     }
-    begin_sidecar(path, columns)?.map_or(Ok(()), WholeFile::commit)
+    begin_sidecar(path, columns)?.map_or(Ok(()), AtomicFile::commit)
 }
 
 /// Whether the companion of a log can be written; checked before the work.
@@ -206,7 +206,7 @@ pub fn check_sidecar(path: &Path) -> io::Result<()> {
         return Ok(());
     }
     may_replace(&sidecar)?;
-    WholeFile::create(&sidecar).map(drop)
+    AtomicFile::create(&sidecar).map(drop)
 }
 
 /// A pipe or a device has nothing beside it.
@@ -220,7 +220,7 @@ fn may_replace(sidecar: &Path) -> io::Result<()> {
 }
 
 /// Begins the companion; none where one that says the same is there: it may describe what is read.
-fn begin_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<Option<WholeFile>> {
+fn begin_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<Option<AtomicFile>> {
     let (sidecar, text) = (dataset::sidecar_of(path), sidecar_text(columns));
     if is_pipe(path) {
         return Ok(None);
@@ -230,7 +230,7 @@ fn begin_sidecar(path: &Path, columns: &[ColumnHeader]) -> io::Result<Option<Who
         return Ok(None);
     }
     may_replace(&sidecar)?;
-    let mut file = WholeFile::create(&sidecar)?;
+    let mut file = AtomicFile::create(&sidecar)?;
     file.write_all(text.as_bytes())?;
     Ok(Some(file))
 }
