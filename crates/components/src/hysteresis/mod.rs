@@ -11,6 +11,7 @@ mod dahl;
 mod duhem;
 mod duhem_inverse;
 mod dynamic_prandtl_ishlinskii;
+mod falling_rate_play;
 mod generalised_play;
 mod grpi;
 mod inverse_prandtl_ishlinskii;
@@ -31,6 +32,7 @@ pub use duhem_inverse::{INVERSE_DAHL, INVERSE_DUHEM};
 pub use dynamic_prandtl_ishlinskii::{
     DynamicPrandtlIshlinskii, INVERSE as INVERSE_DYNAMIC_PRANDTL_ISHLINSKII,
 };
+pub use falling_rate_play::{FallingRatePlay, INVERSE as INVERSE_FALLING_RATE_PLAY};
 pub use generalised_play::{GeneralisedPlay, InverseGeneralisedPlay};
 pub use grpi::{Grpi, INVERSE as INVERSE_GRPI};
 pub use inverse_prandtl_ishlinskii::InversePrandtlIshlinskii;
@@ -56,6 +58,7 @@ pub static OPERATORS: model::Registry = &[
     &Duhem,
     &Dahl,
     &RateDependentPlay,
+    &FallingRatePlay,
     &LaggingPlay,
     &Grpi,
     &Mpi,
@@ -73,6 +76,7 @@ pub(crate) static INVERSES: model::Registry = &[
     &INVERSE_DUHEM,
     &INVERSE_DAHL,
     &INVERSE_RATE_DEPENDENT_PLAY,
+    &INVERSE_FALLING_RATE_PLAY,
     &INVERSE_GRPI,
     &INVERSE_MPI,
     &INVERSE_DYNAMIC_PRANDTL_ISHLINSKII,
