@@ -220,32 +220,6 @@ package Hysteresis "Memory of the actuator, one step per sample"
       Documentation(info="<html><p>Component <code>rate-dependent-play</code>. Hysteresis that widens with the rate: plays with rate-dependent thresholds.</p><p><code>y = offset + gain*u + sum(w[i]*F[i]); F[i] = max(u - t[i], min(u + t[i], F[i])); t[i] = r[i] + rate*|u'|</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>plays` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>4096</td><td>Number of play operators</td></tr><tr><td>r</td><td>{command}</td><td>required</td><td>0</td><td></td><td>Threshold of each play, increasing from 0</td></tr><tr><td>w</td><td>{position}/{command}</td><td>required</td><td>0</td><td></td><td>Weight of each play</td></tr><tr><td>offset</td><td>{position}</td><td>0</td><td></td><td></td><td>Position at zero command in the virgin state</td></tr><tr><td>gain</td><td>{position}/{command}</td><td>0</td><td>0</td><td></td><td>Linear part without hysteresis</td></tr><tr><td>rate</td><td>s</td><td>required</td><td>0</td><td></td><td>Growth of every threshold with the command's rate</td></tr></table><p>Source: M. Al Janaideh, P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013) 1498-1507.</p><p>Compensated in front of the machine by inverse-rate-dependent-play (iteration with a bound).</p><p>Effect: <code>rate_dependence</code>.</p><p>In the residual: grows with rate times amplitude.</p><p>Looks like: <code>amplifier_bandwidth</code>, <code>delay</code>, <code>extra_mode</code>, <code>amplifier_slew</code>.</p><p>Distinguished by: frequency response at 1 % of the amplitude: lag and delay remain, rate dependence vanishes.</p></html>"));
   end RateDependentPlay;
 
-  block FallingRatePlay "Hysteresis that widens with the rate while the command falls"
-    extends Interfaces.Actuator;
-    parameter Integer plays(min = 1, max = 4096) "Number of play operators";
-    parameter Real r[plays](each unit="V", each min = 0) "Threshold of each play, increasing from 0";
-    parameter Real w[plays](each unit="um/V", each min = 0) "Weight of each play";
-    parameter Real offset(unit="um") = 0 "Position at zero command in the virgin state";
-    parameter Real gain(unit="um/V", min = 0) = 0 "Linear part without hysteresis";
-    parameter Real rate(unit="s", min = 0) "Growth of every threshold with the rate of a falling command";
-    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
-  protected
-    discrete Boolean on(start = false, fixed = true) "The first sample is past";
-    discrete Real last(start = 0, fixed = true, unit="V") "Command at the last sample";
-    discrete Real speed(start = 0, fixed = true, unit="V/s") "Rate of the command, by backward difference";
-    discrete Real p[plays](each start = 0, each fixed = true, each unit="V") "Plays";
-  equation
-    when sample(0, step) then
-      on = true;
-      last = u;
-      speed = if pre(on) then (u - pre(last))/step else 0;
-      p = Functions.plays(u, r, rate*max(-speed, 0), pre(p));
-    end when;
-    y_um = offset + gain*last + w*p;
-    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-66,-66},{-18,-30},{80,70},{50,58},{6,27},{-46,-17},{-80,-52}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>falling-rate-play</code>. Hysteresis that widens with the rate while the command falls.</p><p><code>y = offset + gain*u + sum(w[i]*F[i]); F[i] = max(u - t[i], min(u + t[i], F[i])); t[i] = r[i] + rate*max(-u', 0)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>plays` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>4096</td><td>Number of play operators</td></tr><tr><td>r</td><td>{command}</td><td>required</td><td>0</td><td></td><td>Threshold of each play, increasing from 0</td></tr><tr><td>w</td><td>{position}/{command}</td><td>required</td><td>0</td><td></td><td>Weight of each play</td></tr><tr><td>offset</td><td>{position}</td><td>0</td><td></td><td></td><td>Position at zero command in the virgin state</td></tr><tr><td>gain</td><td>{position}/{command}</td><td>0</td><td>0</td><td></td><td>Linear part without hysteresis</td></tr><tr><td>rate</td><td>s</td><td>required</td><td>0</td><td></td><td>Growth of every threshold with the rate of a falling command</td></tr></table><p>Source: M. Al Janaideh, P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013) 1498-1507.</p><p>Compensated in front of the machine by inverse-falling-rate-play (iteration with a bound).</p><p>Effect: <code>rate_dependence</code>.</p><p>In the residual: grows with rate times amplitude.</p><p>Looks like: <code>amplifier_bandwidth</code>, <code>delay</code>, <code>extra_mode</code>, <code>amplifier_slew</code>.</p><p>Distinguished by: frequency response at 1 % of the amplitude: lag and delay remain, rate dependence vanishes.</p></html>"));
-  end FallingRatePlay;
-
   block LaggingPlay "Hysteresis whose memory lags behind the command"
     extends Interfaces.Actuator;
     parameter Integer plays(min = 1, max = 4096) "Number of play operators";

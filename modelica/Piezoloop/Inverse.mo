@@ -210,39 +210,6 @@ package Inverse "Feedforward: inverses of the hysteresis models"
       Documentation(info="<html><p>Component <code>inverse-rate-dependent-play</code>. Inverse of a rate-dependent-play model, solved at each step.</p><p><code>forward(u) = y, with u' = y'/(mean slope of the largest loop)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>plays` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>4096</td><td>Number of play operators</td></tr><tr><td>r</td><td>{command}</td><td>required</td><td>0</td><td></td><td>Threshold of each play, increasing from 0</td></tr><tr><td>w</td><td>{position}/{command}</td><td>required</td><td>0</td><td></td><td>Weight of each play</td></tr><tr><td>offset</td><td>{position}</td><td>0</td><td></td><td></td><td>Position at zero command in the virgin state</td></tr><tr><td>gain</td><td>{position}/{command}</td><td>0</td><td>0</td><td></td><td>Linear part without hysteresis</td></tr><tr><td>rate</td><td>s</td><td>required</td><td>0</td><td></td><td>Growth of every threshold with the command's rate</td></tr><tr><td>command_min</td><td>{command}</td><td>required</td><td></td><td></td><td>Least command that the inverse gives</td></tr><tr><td>command_max</td><td>{command}</td><td>required</td><td></td><td></td><td>Greatest command that the inverse gives</td></tr></table><p>Source: M. Al Janaideh, P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013) 1498-1507.</p></html>"));
   end InverseRateDependentPlay;
 
-  block InverseFallingRatePlay "Inverse of a falling-rate-play model, solved at each step"
-    extends Interfaces.Inverse;
-    parameter Integer plays(min = 1, max = 4096) "Number of play operators";
-    parameter Real r[plays](each unit="V", each min = 0) "Threshold of each play, increasing from 0";
-    parameter Real w[plays](each unit="um/V", each min = 0) "Weight of each play";
-    parameter Real offset(unit="um") = 0 "Position at zero command in the virgin state";
-    parameter Real gain(unit="um/V", min = 0) = 0 "Linear part without hysteresis";
-    parameter Real rate(unit="s", min = 0) "Growth of every threshold with the rate of a falling command";
-    parameter Real command_min(unit="V") "Least command that the inverse gives";
-    parameter Real command_max(unit="V") "Greatest command that the inverse gives";
-    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
-  protected
-    final parameter Real mean_slope(unit="um/V") = Functions.meanSlope(gain, r, w, command_max - command_min) "Mean slope of the largest loop";
-    discrete Boolean on(start = false, fixed = true) "The first sample is past";
-    discrete Real wanted(start = 0, fixed = true, unit="um") "Position at the last sample";
-    discrete Real wanted_rate(start = 0, fixed = true, unit="um/s") "Rate of the position";
-    discrete Real speed(start = 0, fixed = true, unit="V/s") "Rate of the command, by backward difference";
-    discrete Real command(start = 0, fixed = true, unit="V") "Command, solved at each sample";
-    discrete Real p[plays](each start = 0, each fixed = true, each unit="V") "Plays of the copy";
-  equation
-    when sample(0, step) then
-      on = true;
-      wanted = u_um;
-      wanted_rate = if pre(on) then (u_um - pre(wanted))/step else 0;
-      command = Solve.cubicPlays(u_um, command_min, command_max, offset, gain, 0, r, w, rate*max(-wanted_rate/mean_slope, 0), pre(p));
-      speed = if pre(on) then (command - pre(command))/step else 0;
-      p = Functions.plays(command, r, rate*max(-speed, 0), pre(p));
-    end when;
-    y = command;
-    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-70,-80},{-66,-66},{-30,-18},{70,80},{58,50},{27,6},{-17,-46},{-52,-80}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>inverse-falling-rate-play</code>. Inverse of a falling-rate-play model, solved at each step.</p><p><code>forward(u) = y, with u' = y'/(mean slope of the largest loop)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>plays` (structure)</td><td>1</td><td>by its lists</td><td>1</td><td>4096</td><td>Number of play operators</td></tr><tr><td>r</td><td>{command}</td><td>required</td><td>0</td><td></td><td>Threshold of each play, increasing from 0</td></tr><tr><td>w</td><td>{position}/{command}</td><td>required</td><td>0</td><td></td><td>Weight of each play</td></tr><tr><td>offset</td><td>{position}</td><td>0</td><td></td><td></td><td>Position at zero command in the virgin state</td></tr><tr><td>gain</td><td>{position}/{command}</td><td>0</td><td>0</td><td></td><td>Linear part without hysteresis</td></tr><tr><td>rate</td><td>s</td><td>required</td><td>0</td><td></td><td>Growth of every threshold with the rate of a falling command</td></tr><tr><td>command_min</td><td>{command}</td><td>required</td><td></td><td></td><td>Least command that the inverse gives</td></tr><tr><td>command_max</td><td>{command}</td><td>required</td><td></td><td></td><td>Greatest command that the inverse gives</td></tr></table><p>Source: M. Al Janaideh, P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013) 1498-1507.</p></html>"));
-  end InverseFallingRatePlay;
-
   block InverseGrpi "Inverse of a grpi model, solved at each step"
     extends Interfaces.Inverse;
     parameter Integer plays(min = 1, max = 4096) "Number of play operators";

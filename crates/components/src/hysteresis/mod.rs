@@ -11,7 +11,6 @@ mod dahl;
 mod duhem;
 mod duhem_inverse;
 mod dynamic_prandtl_ishlinskii;
-mod falling_rate_play;
 mod generalised_play;
 mod grpi;
 mod inverse_prandtl_ishlinskii;
@@ -32,7 +31,6 @@ pub use duhem_inverse::{INVERSE_DAHL, INVERSE_DUHEM};
 pub use dynamic_prandtl_ishlinskii::{
     DynamicPrandtlIshlinskii, INVERSE as INVERSE_DYNAMIC_PRANDTL_ISHLINSKII,
 };
-pub use falling_rate_play::{FallingRatePlay, INVERSE as INVERSE_FALLING_RATE_PLAY};
 pub use generalised_play::{GeneralisedPlay, InverseGeneralisedPlay};
 pub use grpi::{Grpi, INVERSE as INVERSE_GRPI};
 pub use inverse_prandtl_ishlinskii::InversePrandtlIshlinskii;
@@ -58,7 +56,6 @@ pub static OPERATORS: model::Registry = &[
     &Duhem,
     &Dahl,
     &RateDependentPlay,
-    &FallingRatePlay,
     &LaggingPlay,
     &Grpi,
     &Mpi,
@@ -76,7 +73,6 @@ pub(crate) static INVERSES: model::Registry = &[
     &INVERSE_DUHEM,
     &INVERSE_DAHL,
     &INVERSE_RATE_DEPENDENT_PLAY,
-    &INVERSE_FALLING_RATE_PLAY,
     &INVERSE_GRPI,
     &INVERSE_MPI,
     &INVERSE_DYNAMIC_PRANDTL_ISHLINSKII,
