@@ -8,7 +8,6 @@
 //! | `gcs://10.0.0.5:50000?axes=1,2` | an instrument of PI, General Command Set 2.0 over TCP |
 //! | `gcs:///dev/ttyUSB0?baud=115200` | the same over a serial line |
 //! | `nv200://10.0.0.6`, `nv200:///dev/ttyUSB0` | a piezosystem jena NV200, over its telnet port or a serial line |
-//! | `setmess://10.0.0.7`, `setmess:///dev/ttyUSB0` | an amplifier that knows `set` and `mess`, over TCP or a serial line |
 //! | `plugin://./libcard.so?options` | a driver in C with the functions of `gateway.h` |
 
 mod address;
@@ -28,7 +27,6 @@ mod protocol;
 #[cfg(unix)]
 pub mod serial;
 mod serve;
-pub mod setmess;
 #[cfg(feature = "shared-memory")]
 mod shared_memory;
 pub mod station;
@@ -51,7 +49,7 @@ pub use shared_memory::SharedMemoryGateway;
 pub use udp::UdpGateway;
 
 /// The instruments that are spoken to by lines of text; each declares itself in its own file.
-pub static PROTOCOLS: &[&Protocol] = &[&gcs::PROTOCOL, &nv200::PROTOCOL, &setmess::PROTOCOL];
+pub static PROTOCOLS: &[&Protocol] = &[&gcs::PROTOCOL, &nv200::PROTOCOL];
 
 /// Carries packets between runner and machine. Calls never block but [`wait`](Self::wait); a gateway
 /// for real time allocates nothing and takes no lock once it is open.
