@@ -473,46 +473,6 @@ package Controllers "Control laws"
       Documentation(info="<html><p>Component <code>non-minimum-phase-damping</code>. Non-minimum-phase damping: feedback of the position through an all-pass, with constant gain and shifted phase.</p><p><code>y = u + gain*F*(x - x0); F = (w - s)/(w + s); w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Static gain of the feedback</td></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Frequency at which the phase of the all-pass is -90 degrees</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward</td></tr></table><p>Source: A. Natu, H. HosseinNia, arXiv 2412.18374 (2024).</p></html>"));
   end NonMinimumPhaseDamping;
 
-  block DoubleLagFeedback "Double-lag feedback: two equal low-passes of the position in positive feedback damp a resonance"
-    extends Interfaces.Controller;
-    parameter Real gain(unit="V/um") "Static gain of the feedback";
-    parameter Real frequency(unit="Hz", min = 0) "Corner frequency of each low-pass";
-    parameter Real setpoint_weight(unit="1", min = 0, max = 1) = 1 "Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward";
-    Interfaces.PositionInput reference "Reference position" annotation(Placement(transformation(extent={{-80,-120},{-40,-80}})));
-    Interfaces.PositionInput measured "Position that is measured" annotation(Placement(transformation(extent={{-40,-120},{0,-80}})));
-    input Boolean enable "False adds nothing" annotation(Placement(transformation(extent={{0,-120},{40,-80}})));
-    parameter Real step(unit="s", min = 0) = 20e-6 "Time between samples: the step of the blueprint";
-  protected
-    Real position_um(unit="um") = (measured - setpoint_weight*reference)/Constants.um "What is fed back in um";
-    final parameter Real w(unit="1") = tan(Constants.pi*frequency*step) "Frequency of the bilinear transform";
-    final parameter Real total(unit="1") = (1 + w)^2 "Divisor of the coefficients";
-    final parameter Real b0(unit="1") = w^2/total "Coefficient of the input";
-    final parameter Real b1(unit="1") = 2*w^2/total "Coefficient of the last input";
-    final parameter Real b2(unit="1") = w^2/total "Coefficient of the input before";
-    final parameter Real a1(unit="1") = 2*(w^2 - 1)/total "Coefficient of the last output";
-    final parameter Real a2(unit="1") = (1 - w)^2/total "Coefficient of the output before";
-    discrete Boolean on(start = false, fixed = true) "The loop was closed at the last sample";
-    discrete Real origin(start = 0, fixed = true, unit="um") "Position where it was closed";
-    discrete Real moved(start = 0, fixed = true, unit="um") "Position from there";
-    discrete Real filtered(start = 0, fixed = true, unit="um") "Filtered position";
-    discrete Real first(start = 0, fixed = true, unit="um") "What past samples add to the next output";
-    discrete Real second(start = 0, fixed = true, unit="um") "What they add to the one behind it";
-    discrete Real held(start = 0, fixed = true, unit="V") "Command";
-  equation
-    when sample(0, step) then
-      on = enable;
-      origin = if enable and not pre(on) then position_um else pre(origin);
-      moved = if enable then position_um - origin else 0;
-      filtered = if enable then b0*moved + pre(first) else 0;
-      first = if enable then b1*moved - a1*filtered + pre(second) else 0;
-      second = if enable then b2*moved - a2*filtered else 0;
-      held = u + gain*filtered;
-    end when;
-    y = held;
-    annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-73,-70},{-62,20},{-50,45},{-30,32},{0,38},{80,36}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>double-lag-feedback</code>. Double-lag feedback: two equal low-passes of the position in positive feedback damp a resonance.</p><p><code>y = u + gain*F*(x - x0); F = w^2/(s + w)^2; w = 2*pi*frequency; x = measured - setpoint_weight*reference; x0 = x at rest and where the loop was closed</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>gain</td><td>{command}/{position}</td><td>required</td><td></td><td></td><td>Static gain of the feedback</td></tr><tr><td>frequency</td><td>Hz</td><td>required</td><td>0</td><td></td><td>Corner frequency of each low-pass</td></tr><tr><td>setpoint_weight</td><td>1</td><td>1</td><td>0</td><td>1</td><td>Share of the reference that is subtracted from the measured position; 1 with an inverse as feedforward</td></tr></table><p>Source: A. Lanzon, I. R. Petersen, IEEE Trans. Automatic Control 53 (2008) 1042-1046.</p></html>"));
-  end DoubleLagFeedback;
-
   block JacobianCoordinator "From the coordinates of all sensors to the motions of all axes, through the inverse Jacobian"
     extends Icons.Block;
     parameter Integer axes(min = 2, max = 32) "Number of coupled axes";

@@ -6,7 +6,6 @@
 //! integral-resonant-control    F = ω/(s + ω)
 //! positive-position-feedback   F = ω²/(s² + 2·damping·ω·s + ω²)
 //! non-minimum-phase-damping    F = (ω − s)/(ω + s),   ω = 2π·frequency
-//! double-lag-feedback          F = ω²/(s + ω)²
 //! ```
 //!
 //! * gain in command per position, frequency in Hz; F(0) = 1. The inner loop alone is stable where
@@ -40,7 +39,7 @@ use model::{
 use super::limiter::{ENABLE, truth};
 use crate::rules::{WRONG_LENGTH, require};
 
-/// One of the four.
+/// One of the three.
 pub struct ActiveDamping {
     declaration: &'static Declaration,
     filter: Filter,
@@ -78,13 +77,6 @@ pub static NON_MINIMUM_PHASE_DAMPING: ActiveDamping = ActiveDamping {
     declaration: &NON_MINIMUM_PHASE,
     filter: Filter::AllPass,
     example: &[("gain", &[12.0]), ("frequency", &[900.0])],
-};
-
-/// The component `double-lag-feedback`.
-pub static DOUBLE_LAG_FEEDBACK: ActiveDamping = ActiveDamping {
-    declaration: &DOUBLE_LAG,
-    filter: Filter::SecondOrder,
-    example: &[("gain", &[12.0]), ("frequency", &[600.0]), ("setpoint_weight", &[0.5])],
 };
 
 const GAIN: Quantity =
@@ -152,20 +144,6 @@ static NON_MINIMUM_PHASE: Declaration = Declaration {
         )
         .min(0.0)
         .tunable(),
-        WEIGHT,
-    ],
-    ..INTEGRAL_RESONANT
-};
-
-static DOUBLE_LAG: Declaration = Declaration {
-    kind: "double-lag-feedback",
-    summary: "Double-lag feedback: two equal low-passes of the position in positive feedback damp a resonance",
-    equation: "y = u + gain*F*(x - x0); F = w^2/(s + w)^2; w = 2*pi*frequency; x = measured - \
-               setpoint_weight*reference; x0 = x at rest and where the loop was closed",
-    reference: "A. Lanzon, I. R. Petersen, IEEE Trans. Automatic Control 53 (2008) 1042-1046",
-    parameters: &[
-        GAIN,
-        Quantity::new("frequency", "Hz", "Corner frequency of each low-pass").min(0.0).tunable(),
         WEIGHT,
     ],
     ..INTEGRAL_RESONANT
@@ -309,8 +287,6 @@ mod tests {
         assert!((gain - 2.0_f64.sqrt()).abs() < 1e-6 && (turn + TAU / 8.0).abs() < 1e-6);
         let (gain, turn) = response(&POSITIVE_POSITION_FEEDBACK, &[2.0, 1000.0, 0.4, 0.0], 1000.0);
         assert!((gain - 2.0 / 0.8).abs() < 1e-6 && (turn + TAU / 4.0).abs() < 1e-6);
-        let (gain, turn) = response(&DOUBLE_LAG_FEEDBACK, &[2.0, 1000.0, 0.0], 1000.0);
-        assert!((gain - 1.0).abs() < 1e-6 && (turn + TAU / 4.0).abs() < 1e-6);
         for frequency in [200.0, 1000.0, 4000.0] {
             let (gain, turn) = response(&NON_MINIMUM_PHASE_DAMPING, &[2.0, 1000.0, 0.0], frequency);
             let wanted =
@@ -343,10 +319,9 @@ mod tests {
         // The poles of s² + 2ζω₁s + ω₁² = ω₁²·g·F(s) move by Δζ = −g·Im F(jω₁)/2 for small g.
         let free = damping_of(&INTEGRAL_RESONANT_CONTROL, &[0.0, 500.0, 0.0]);
         assert!((free - 0.01).abs() < 1e-4, "{free}");
-        // At its corner: Im F = −1/2 for one low-pass and for two, −1 for the all-pass, −1/2ζ_f for the second order.
+        // At its corner: Im F = −1/2 for the low-pass, −1 for the all-pass, −1/2ζ_f for the second order.
         for (kind, parameters, wanted) in [
             (&INTEGRAL_RESONANT_CONTROL, &[0.02, 500.0, 0.0][..], 0.25 * 0.02),
-            (&DOUBLE_LAG_FEEDBACK, &[0.02, 500.0, 0.0], 0.25 * 0.02),
             (&NON_MINIMUM_PHASE_DAMPING, &[0.02, 500.0, 0.0], 0.5 * 0.02),
             (&POSITIVE_POSITION_FEEDBACK, &[0.02, 500.0, 1.0, 0.0], 0.25 * 0.02),
         ] {

@@ -17,8 +17,7 @@ mod reference_preview;
 mod repetitive;
 
 pub use active_damping::{
-    ActiveDamping, DOUBLE_LAG_FEEDBACK, INTEGRAL_RESONANT_CONTROL, NON_MINIMUM_PHASE_DAMPING,
-    POSITIVE_POSITION_FEEDBACK,
+    ActiveDamping, INTEGRAL_RESONANT_CONTROL, NON_MINIMUM_PHASE_DAMPING, POSITIVE_POSITION_FEEDBACK,
 };
 pub use bouc_wen_feedforward::BoucWenFeedforward;
 pub use curve::{COMMAND_CURVE, REFERENCE_CURVE};
@@ -53,7 +52,6 @@ pub(crate) static COMPONENTS: model::Registry = &[
     &INTEGRAL_RESONANT_CONTROL,
     &POSITIVE_POSITION_FEEDBACK,
     &NON_MINIMUM_PHASE_DAMPING,
-    &DOUBLE_LAG_FEEDBACK,
     &Pid,
     &IncrementalPid,
 ];

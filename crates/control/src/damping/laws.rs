@@ -20,8 +20,6 @@ pub enum Damping {
     PositivePosition,
     /// Non-minimum-phase damping.
     NonMinimumPhase,
-    /// Feedback through two equal low-passes.
-    DoubleLag,
     /// PI with a notch: nothing is damped, the resonance is left out.
     Notch,
 }
@@ -78,11 +76,8 @@ static NONE: Law = Law {
     filter: None,
 };
 
-static AUTOMATIC: Law = Law {
-    name: "automatic",
-    summary: "the one of irc, ppf, nrc and dlf that settles first",
-    ..NONE
-};
+static AUTOMATIC: Law =
+    Law { name: "automatic", summary: "the one of irc, ppf and nrc that settles first", ..NONE };
 
 static INTEGRAL_RESONANT: Law = Law {
     name: "irc",
@@ -114,15 +109,6 @@ static NON_MINIMUM_PHASE: Law = Law {
     filter: Some(|at| at.low_pass() * 2.0 - Complex::new(1.0, 0.0)),
 };
 
-static DOUBLE_LAG: Law = Law {
-    name: "dlf",
-    summary: "double-lag feedback",
-    loop_name: "PID around double-lag feedback",
-    kind: "double-lag-feedback",
-    own: &[(0.05, INNER), (0.3, 10.0)],
-    filter: Some(|at| at.low_pass() * at.low_pass()),
-};
-
 static NOTCH: Law = Law {
     name: "notch",
     summary: "PI with a notch at the resonance, which stays undamped",
@@ -134,18 +120,17 @@ static NOTCH: Law = Law {
 
 impl Damping {
     /// All damping laws.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 6] = [
         Self::None,
         Self::Automatic,
         Self::IntegralResonant,
         Self::PositivePosition,
         Self::NonMinimumPhase,
-        Self::DoubleLag,
         Self::Notch,
     ];
     /// Those that damp.
     pub const LAWS: &[Self] =
-        &[Self::NonMinimumPhase, Self::IntegralResonant, Self::PositivePosition, Self::DoubleLag];
+        &[Self::NonMinimumPhase, Self::IntegralResonant, Self::PositivePosition];
 
     const fn law(self) -> &'static Law {
         match self {
@@ -154,7 +139,6 @@ impl Damping {
             Self::IntegralResonant => &INTEGRAL_RESONANT,
             Self::PositivePosition => &POSITIVE_POSITION,
             Self::NonMinimumPhase => &NON_MINIMUM_PHASE,
-            Self::DoubleLag => &DOUBLE_LAG,
             Self::Notch => &NOTCH,
         }
     }
