@@ -180,7 +180,7 @@ impl Component for Repetitive {
             let at = |ring: &[f64], steps: usize| ring.get(back(steps)).copied().unwrap_or(0.0);
             for (j, tap) in window.iter().enumerate() {
                 let later = at(learned, samples.saturating_sub(j));
-                let earlier = if j > 0 { at(learned, samples + j) } else { 0.0 };
+                let earlier = if j > 0 { at(learned, samples.saturating_add(j)) } else { 0.0 };
                 w += tap * (later + earlier);
             }
             w = between(-limit, limit, w + gain * at(errors, past));
