@@ -393,6 +393,6 @@ fn sort(looked: &mut [Looked]) {
 }
 
 #[cfg(test)]
-mod synthetic;
+mod test_support;
 #[cfg(test)]
 mod tests;

@@ -202,7 +202,7 @@ mod tests {
     use crate::formula::{Family, Formula, Free, Slot};
     use crate::noise::Shape;
     use crate::score::Judge;
-    use crate::select::synthetic::Synthetic;
+    use crate::select::test_support::Synthetic;
 
     const SAMPLE: f64 = 1e-3;
     const SEED: u64 = 5;

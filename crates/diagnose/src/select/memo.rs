@@ -109,7 +109,7 @@ mod tests {
     use std::sync::atomic::Ordering;
 
     use crate::select::Search;
-    use crate::select::synthetic::{Synthetic, close, listed, names};
+    use crate::select::test_support::{Synthetic, close, listed, names};
 
     #[test]
     fn no_part_is_computed_twice_and_each_is_given_in_the_noise_of_its_search() {

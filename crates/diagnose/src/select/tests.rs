@@ -1,6 +1,6 @@
 use surround::Block;
 
-use super::synthetic::{Synthetic, adds, close, listed, names};
+use super::test_support::{Synthetic, adds, close, listed, names};
 use super::*;
 use crate::candidate::{Found, has_gap};
 use crate::formula::{Free, Slot};

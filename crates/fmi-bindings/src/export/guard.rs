@@ -79,7 +79,7 @@ pub(super) unsafe fn free<T>(pointer: *mut c_void, last: impl FnOnce(&mut T)) {
 pub(super) fn caught<T>(body: impl FnOnce() -> Result<T, Notice>) -> Result<T, Notice> {
     let body = || {
         #[cfg(test)]
-        super::forced::strike();
+        super::forced_panic_tests::strike();
         body()
     };
     catch_unwind(AssertUnwindSafe(body))

@@ -16,7 +16,7 @@ mod arguments;
 #[cfg(all(target_family = "wasm", feature = "component"))]
 pub mod component;
 #[cfg(test)]
-mod forced;
+mod forced_panic_tests;
 mod guard;
 #[cfg(target_family = "wasm")]
 mod host;

@@ -3,7 +3,7 @@
 mod sets;
 
 use super::*;
-use crate::select::synthetic::{Synthetic, close, listed, names};
+use crate::select::test_support::{Synthetic, close, listed, names};
 
 /// A tone of 71 and one of 29 powers of the noise, and families that add: what imitates both and leaves a
 /// seventh; the first; the second; another tone; what nearly is the first.

@@ -6,7 +6,7 @@ use crate::noise::Shape;
 use crate::nuisance::Nuisance;
 use crate::score::Judge;
 use crate::select::refine::plainer;
-use crate::select::synthetic::Synthetic;
+use crate::select::test_support::Synthetic;
 
 /// Two families, and the second one with a line in the spectrum as its second formula. No rows are held
 /// out: the level of the bands then counts from 0, and every figure can be chosen.
