@@ -51,7 +51,7 @@ impl Level {
 
 impl MessageOptions {
     /// Begins to listen.
-    pub(crate) fn ear(&self) -> anyhow::Result<Ear> {
+    pub(crate) fn ear(&self) -> anyhow::Result<NoteCollector> {
         let file = match &self.fmu_log {
             Some(path) => {
                 // Not all at the end: it is read where a run has crashed, too.
@@ -61,7 +61,7 @@ impl MessageOptions {
             None => None,
         };
         let logging_on = self.log_level == Level::Info || file.is_some();
-        Ok(Ear {
+        Ok(NoteCollector {
             heard: Arc::new(Mutex::new(Heard { file, ..Heard::default() })),
             level: self.log_level,
             logging_on,
@@ -71,7 +71,7 @@ impl MessageOptions {
 
 /// Hears what FMUs say and what they change of the program that runs them.
 #[derive(Clone)]
-pub(crate) struct Ear {
+pub(crate) struct NoteCollector {
     heard: Arc<Mutex<Heard>>,
     level: Level,
     logging_on: bool,
@@ -102,7 +102,7 @@ pub(crate) struct FmuMessage {
     pattern: String,
 }
 
-impl Ear {
+impl NoteCollector {
     /// For an instance of this name.
     pub(crate) fn options(&self, fmu: &str) -> InstanceOptions {
         let (heard, fmu, level) = (Arc::clone(&self.heard), fmu.to_owned(), self.level);

@@ -38,9 +38,9 @@ impl cosim::Recorder for Rows {
 }
 
 /// Shows nothing, and stops where the user asks to.
-pub(crate) struct Quiet;
+pub(crate) struct NoProgress;
 
-impl identify::Observer for Quiet {
+impl identify::Observer for NoProgress {
     fn stopped(&self) -> bool {
         interrupt::asked()
     }

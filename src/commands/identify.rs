@@ -370,7 +370,7 @@ impl Identify {
             let others: Vec<_> = rest
                 .iter()
                 .map(|task| {
-                    let own = move || one(task, &mut progress::Quiet);
+                    let own = move || one(task, &mut progress::NoProgress);
                     (task, std::thread::Builder::new().spawn_scoped(scope, own))
                 })
                 .collect();
@@ -381,7 +381,7 @@ impl Identify {
                         Err(anyhow::anyhow!("an axis could not be identified: internal error"))
                     }),
                     // The system gives no more threads: this one does the work.
-                    Err(_) => one(task, &mut progress::Quiet),
+                    Err(_) => one(task, &mut progress::NoProgress),
                 });
             }
             all

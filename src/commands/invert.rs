@@ -10,7 +10,7 @@ use control::{Along, CommandActs, ControlSettings, Damping, Feedback, Feedforwar
 use data::CheckedBlueprint;
 
 use crate::inputs::{self, LogOptions};
-use crate::results::invert::{Inverted, Shown, Way, Ways};
+use crate::results::invert::{DampingOption, Inverted, Shown, Ways};
 use crate::{pages, progress, ranges};
 
 /// Most samples of a reference.
@@ -143,7 +143,7 @@ impl Invert {
                 }
                 Err(error) => return Err(error.into()),
             };
-            ways.push(Way { name: way.name(), summary: way.summary(), axes, reason });
+            ways.push(DampingOption { name: way.name(), summary: way.summary(), axes, reason });
         }
         Ok(Ways { ways })
     }

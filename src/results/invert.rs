@@ -37,11 +37,11 @@ pub(crate) struct Shown {
 /// What each way of feedforward does on a plant.
 #[derive(Serialize)]
 pub(crate) struct Ways {
-    pub(crate) ways: Vec<Way>,
+    pub(crate) ways: Vec<DampingOption>,
 }
 
 #[derive(Serialize)]
-pub(crate) struct Way {
+pub(crate) struct DampingOption {
     pub(crate) name: &'static str,
     pub(crate) summary: &'static str,
     /// Of each axis; empty where the way does not suit.

@@ -8,8 +8,8 @@ use thiserror::Error;
 
 use crate::cycle::{Cycle, Orders};
 use crate::emulate::{Fault, PlantError, Script, ScriptError};
-use crate::rehearsal::{Ended, Rehearsal};
 use crate::safety::{AxisLimits, Reason, State};
+use crate::virtual_run::{Ended, VirtualRun};
 
 /// A campaign, in TOML:
 ///
@@ -155,8 +155,8 @@ impl Campaign {
     pub fn run<E: From<PlantError>>(
         &self,
         settle: u64,
-        mut bench: impl FnMut(Script) -> Result<Rehearsal, E>,
-        mut each: impl FnMut(&Trial, &Rehearsal) -> Result<(), E>,
+        mut bench: impl FnMut(Script) -> Result<VirtualRun, E>,
+        mut each: impl FnMut(&Trial, &VirtualRun) -> Result<(), E>,
     ) -> Result<Vec<Trial>, E> {
         let all = self.cases.iter().flat_map(|case| case.at.iter().map(move |at| (case, *at)));
         let mut trials = Vec::with_capacity(self.trials());
@@ -192,7 +192,7 @@ impl Case {
         at: u32,
         seed: u64,
         settle: u64,
-        bench: &mut Rehearsal,
+        bench: &mut VirtualRun,
     ) -> Result<Trial, PlantError> {
         let mut watcher = Watcher::new(&bench.cycle, bench.period());
         let within = u64::from(self.expect.within.unwrap_or(0));

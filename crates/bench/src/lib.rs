@@ -26,7 +26,7 @@ pub mod plan;
 mod plant;
 pub mod receive;
 pub mod record;
-pub mod rehearsal;
 pub mod replay;
 pub mod runner;
 pub mod safety;
+pub mod virtual_run;

@@ -3,19 +3,20 @@
 #![allow(clippy::print_stdout)]
 
 use crate::common::{APPROACH, Law, PERIOD, PERIOD_NS, ROWS, WATCH};
-use crate::common::{control_law, controller, cycle_with, emulator, limits, rehearsal};
+use crate::common::{control_law, controller, cycle_with, emulator, limits, virtual_run};
 use bench::campaign::{Campaign, Trial};
 use bench::cycle::Orders;
 use bench::emulate::{PlantError, Script};
-use bench::rehearsal::Rehearsal;
 use bench::safety::{AxisLimits, Reason, State};
+use bench::virtual_run::VirtualRun;
 
 const AXES: usize = 2;
 
 /// What the tool does with a campaign, with a plant and a controller in Rust.
 fn tried(campaign: &Campaign) -> Vec<Trial> {
-    let bench =
-        |script| Ok::<_, PlantError>(rehearsal(AXES, controller(AXES, control_law(AXES)), script));
+    let bench = |script| {
+        Ok::<_, PlantError>(virtual_run(AXES, controller(AXES, control_law(AXES)), script))
+    };
     campaign.run(10, bench, |_, _| Ok(())).unwrap()
 }
 
@@ -77,9 +78,9 @@ fn a_controller_that_fails_or_speaks_nonsense_is_stopped() {
             }
             answer && (step < 300 || reason != Reason::ControllerFailed)
         });
-        let mut bench = rehearsal(AXES, controller(AXES, law), Script::default());
+        let mut bench = virtual_run(AXES, controller(AXES, law), Script::default());
         let start =
-            |bench: &Rehearsal, _| Orders { start: bench.next() >= 10, ..Orders::default() };
+            |bench: &VirtualRun, _| Orders { start: bench.next() >= 10, ..Orders::default() };
         let ended = bench.run(2000, start).unwrap();
         assert_eq!((ended.memory.state, ended.memory.reason), (State::Fault, reason));
         assert!((300..=303).contains(&ended.entered), "{ended:?}");
@@ -96,7 +97,7 @@ fn a_command_that_stays_at_its_limit_is_a_fault() {
     });
     let free = AxisLimits { tracking_error: f64::INFINITY, ..limits() };
     let cycle = cycle_with(AXES, controller(AXES, law), free);
-    let mut bench = Rehearsal::new(cycle, emulator(AXES, Script::default()), PERIOD_NS);
+    let mut bench = VirtualRun::new(cycle, emulator(AXES, Script::default()), PERIOD_NS);
     let ended = bench
         .run(2000, |bench, _| Orders { start: bench.next() >= 10, ..Orders::default() })
         .unwrap();
@@ -107,7 +108,7 @@ fn a_command_that_stays_at_its_limit_is_a_fault() {
 #[test]
 fn missed_cycles_beyond_the_limit_are_a_fault_and_fewer_are_not() {
     for (skipped, expected) in [(8, State::Running), (9, State::Fault)] {
-        let mut bench = rehearsal(AXES, controller(AXES, control_law(AXES)), Script::default());
+        let mut bench = virtual_run(AXES, controller(AXES, control_law(AXES)), Script::default());
         let start = Orders { start: true, ..Orders::default() };
         for _ in 0..300 {
             bench.tick(&start, 0).unwrap();
@@ -125,7 +126,7 @@ fn missed_cycles_beyond_the_limit_are_a_fault_and_fewer_are_not() {
 
 #[test]
 fn a_stop_ramps_down_and_a_reset_leads_back() {
-    let mut bench = rehearsal(AXES, controller(AXES, control_law(AXES)), Script::default());
+    let mut bench = virtual_run(AXES, controller(AXES, control_law(AXES)), Script::default());
     let ended = bench
         .run(5000, |bench, _| Orders {
             start: bench.next() >= 10,
@@ -149,7 +150,7 @@ fn a_stop_ramps_down_and_a_reset_leads_back() {
 
 #[test]
 fn a_runner_that_dies_leaves_the_machine_to_its_heartbeat() {
-    let mut bench = rehearsal(AXES, controller(AXES, control_law(AXES)), Script::default());
+    let mut bench = virtual_run(AXES, controller(AXES, control_law(AXES)), Script::default());
     let start = Orders { start: true, ..Orders::default() };
     for _ in 0..300 {
         bench.tick(&start, 0).unwrap();
@@ -165,7 +166,7 @@ fn a_runner_that_dies_leaves_the_machine_to_its_heartbeat() {
 
 #[test]
 fn it_starts_without_a_bump_and_tracks() {
-    let mut bench = rehearsal(AXES, controller(AXES, control_law(AXES)), Script::default());
+    let mut bench = virtual_run(AXES, controller(AXES, control_law(AXES)), Script::default());
     let (mut greatest, mut before, mut error) = (0.0_f64, vec![0.0; AXES], 0.0_f64);
     let mut running = 0;
     bench

@@ -10,9 +10,9 @@ use crate::common::{Law, PERIOD_NS, WATCH, controller, emulator, limits, names};
 use bench::cycle::{Column, Cycle, Driver, Orders, Player, Setup, columns};
 use bench::emulate::Script;
 use bench::record::{About, Format, Journal, Recording, convert};
-use bench::rehearsal::Rehearsal;
 use bench::replay::{Difference, Recipe, RecipeAxis, Replayed, replay};
 use bench::safety::{AxisLimits, State};
+use bench::virtual_run::VirtualRun;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 
@@ -60,7 +60,7 @@ fn recipe() -> Recipe {
     Recipe { version, period_ns: PERIOD_NS, blend: BLEND, start: Default::default(), axes }
 }
 
-/// A rehearsal of so many rows under a script, with deadlines missed at random.
+/// A virtual run of so many rows under a script, with deadlines missed at random.
 fn rehearse(driver: Driver, script: Script, rows: usize) -> Vec<f64> {
     let value = |row: usize, axis: usize| 5.0 + 3.0 * (0.03 * row as f64 + axis as f64).sin();
     let table = (0..rows).flat_map(|row| (0..AXES).map(move |axis| value(row, axis))).collect();
@@ -74,7 +74,7 @@ fn rehearse(driver: Driver, script: Script, rows: usize) -> Vec<f64> {
         blend: BLEND,
         first_sequence: 77,
     });
-    let mut bench = Rehearsal::new(cycle, emulator(AXES, script), PERIOD_NS).recorded();
+    let mut bench = VirtualRun::new(cycle, emulator(AXES, script), PERIOD_NS).recorded();
     while bench.next() < rows as u64 + 300 {
         let skipped = if random.next_u32() % 200 == 0 { random.next_u32() % 5 } else { 0 };
         let orders = Orders { start: bench.next() >= 10, ..Orders::default() };

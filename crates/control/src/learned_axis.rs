@@ -1,7 +1,7 @@
 //! The actuation of an axis whose hysteresis was learned, with the discrete linear part behind it.
 
 use data::CheckedBlueprint;
-use learned::features::{Features, Stops};
+use learned::features::{Features, StopOperators};
 use model::{AxisSpec, NodeSpec, Undoing};
 use nalgebra::Complex;
 
@@ -171,7 +171,8 @@ fn machine(
     let count = count as usize;
     // The table has the weights.
     let projection = if projected > 0.5 { vec![0.0; count] } else { Vec::new() };
-    let features = Features::Stops(Stops { count, range, period, rate_scale, projection });
+    let features =
+        Features::StopOperators(StopOperators { count, range, period, rate_scale, projection });
     let command = Span { low: value("command_low") / before, high: value("command_high") / before };
     let output = Span { low: value("position_low") * after, high: value("position_high") * after };
     let mut frame = Frame::new(features, command, output, Recipe::Plain, &[]);

@@ -10,7 +10,7 @@ use crate::port::Port;
 use crate::problem::{Problem, Problems};
 use crate::slave::{Address, Index, Settable, Slave, Value, can_be_triggered, settable};
 use crate::system::{Participant, Recorded, System, Wire};
-use crate::unit::{Conversion, Way};
+use crate::unit::{Conversion, Transformations};
 
 /// An output that feeds an input, with unit conversion where both declare a unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ struct Feed {
     column: String,
     unit: Option<Unit>,
     to: Port,
-    way: Way,
+    way: Transformations,
     /// Where it stands; empty: nowhere.
     place: String,
 }
@@ -35,7 +35,7 @@ struct Feed {
 /// A [`Connection`] on its way.
 struct Joined {
     connection: Connection,
-    way: Way,
+    way: Transformations,
     /// Where it stands; empty: nowhere.
     place: String,
 }
@@ -65,7 +65,7 @@ impl Diagram {
 
     /// Lets an output feed an input.
     pub fn connect(&mut self, from: impl Into<Port>, to: impl Into<Port>) -> &mut Self {
-        self.connect_by(from, to, Way::default())
+        self.connect_by(from, to, Transformations::default())
     }
 
     /// [`Diagram::connect`], with what happens to the values on their way.
@@ -73,13 +73,19 @@ impl Diagram {
         &mut self,
         from: impl Into<Port>,
         to: impl Into<Port>,
-        way: Way,
+        way: Transformations,
     ) -> &mut Self {
         self.connect_at(from.into(), to.into(), way, "")
     }
 
     /// [`Diagram::connect_by`], of a connection that stands at this place.
-    pub(crate) fn connect_at(&mut self, from: Port, to: Port, way: Way, place: &str) -> &mut Self {
+    pub(crate) fn connect_at(
+        &mut self,
+        from: Port,
+        to: Port,
+        way: Transformations,
+        place: &str,
+    ) -> &mut Self {
         let (connection, place) = (Connection { from, to }, place.to_owned());
         self.connections.push(Joined { connection, way, place });
         self
@@ -93,7 +99,7 @@ impl Diagram {
         unit: Option<Unit>,
         to: impl Into<Port>,
     ) -> &mut Self {
-        self.feed_by(column, unit, to, Way::default())
+        self.feed_by(column, unit, to, Transformations::default())
     }
 
     /// [`Diagram::feed`], with what happens to the values on their way.
@@ -102,7 +108,7 @@ impl Diagram {
         column: impl Into<String>,
         unit: Option<Unit>,
         to: impl Into<Port>,
-        way: Way,
+        way: Transformations,
     ) -> &mut Self {
         self.feed_at(column.into(), unit, to.into(), way, "")
     }
@@ -113,7 +119,7 @@ impl Diagram {
         column: String,
         unit: Option<Unit>,
         to: Port,
-        way: Way,
+        way: Transformations,
         place: &str,
     ) -> &mut Self {
         self.feeds.push(Feed { column, unit, to, way, place: place.to_owned() });
@@ -413,7 +419,7 @@ fn convert(
     source: &str,
     target: &Port,
     (from, to): (Option<&Unit>, Option<&Unit>),
-    way: &Way,
+    way: &Transformations,
     differences: bool,
 ) -> Result<Conversion, Problem> {
     let name = |unit: Option<&Unit>| unit.map(|unit| unit.name.clone()).unwrap_or_default();

@@ -62,4 +62,4 @@ pub use sought::Sought;
 pub use statistics::{FmuTimes, Statistics};
 pub use system::{Ending, System};
 pub use time::Points;
-pub use unit::{Conversion, Way};
+pub use unit::{Conversion, Transformations};

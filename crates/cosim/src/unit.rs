@@ -65,13 +65,18 @@ impl Conversion {
 /// What happens to values from a source to its target, beside the conversion of the units of both:
 /// the steps of an SSP's connections. Empty: nothing else.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Way(pub Vec<Linear>);
+pub struct Transformations(pub Vec<Linear>);
 
-impl Way {
+impl Transformations {
     /// A factor and an offset, applied after unit conversion, or, if that is suppressed, instead.
     pub fn scaled(factor: f64, offset: f64, suppress_unit_conversion: bool) -> Self {
         let transformation = Some((factor, offset)).filter(|scale| *scale != (1.0, 0.0));
-        Way(vec![Linear { from: None, to: None, suppress_unit_conversion, transformation }])
+        Transformations(vec![Linear {
+            from: None,
+            to: None,
+            suppress_unit_conversion,
+            transformation,
+        }])
     }
 
     /// The whole conversion from the source's unit to the target's, through the units that

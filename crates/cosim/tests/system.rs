@@ -5,7 +5,7 @@ use crate::common;
 use common::{Fmus, instance};
 use cosim::{
     Algorithm, Diagram, Error, GaussSeidel, Iteration, IterationSettings, Jacobi, Memory, Points,
-    Relaxation, Run, Signals, System, Value, Way,
+    Relaxation, Run, Signals, System, Transformations, Value,
 };
 
 fn loop_of(fmus: &Fmus, controller_gain: f64, every: usize) -> System {
@@ -236,7 +236,11 @@ fn what_a_loop_of_different_steps_feeds_is_not_late() {
         .add(instance(&plant, "p"))
         .connect(("c", "command[1]"), ("p", "command[1]"))
         .connect(("p", "position[1]"), ("c", "measured[1]"))
-        .connect_by(("p", "position[1]"), ("behind", "command[1]"), Way::scaled(1.0, 0.0, true))
+        .connect_by(
+            ("p", "position[1]"),
+            ("behind", "command[1]"),
+            Transformations::scaled(1.0, 0.0, true),
+        )
         .start(("c", "k"), 0.25)
         .start(("c", "reference[1]"), 1.0)
         .every("c", 3)
@@ -299,7 +303,11 @@ fn slaves_outside_loops_step_in_dependency_order() {
     diagram
         .add(instance(&plant, "last"))
         .add(instance(&plant, "first"))
-        .connect_by(("first", "position[1]"), ("last", "command[1]"), Way::scaled(2.0, 1.0, true))
+        .connect_by(
+            ("first", "position[1]"),
+            ("last", "command[1]"),
+            Transformations::scaled(2.0, 1.0, true),
+        )
         .start(("first", "command[1]"), 1.0)
         .start(("last", "k"), Value::Real(1.0))
         .record(("last", "position[1]"))

@@ -10,7 +10,7 @@ const ROWS: usize = 50;
 
 /// How a dataset has its values.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
+enum NumberForm {
     Text,
     Glued,
     Binary { is_little: bool },
@@ -22,7 +22,7 @@ fn value(k: usize, size: f64) -> f64 {
 }
 
 /// A dataset 58; `kind` is its function type, `even` whether its times are.
-fn dataset(name: &str, unit: &str, kind: u8, size: f64, even: bool, way: Way) -> Vec<u8> {
+fn dataset(name: &str, unit: &str, kind: u8, size: f64, even: bool, way: NumberForm) -> Vec<u8> {
     let numbers: Vec<f64> = (0..ROWS)
         .flat_map(|k| {
             let time = (!even).then_some(k as f64 / 512.0 + f64::from(u8::from(k > 9)));
@@ -30,15 +30,19 @@ fn dataset(name: &str, unit: &str, kind: u8, size: f64, even: bool, way: Way) ->
         })
         .collect();
     let data: Vec<u8> = match way {
-        Way::Binary { is_little: true } => numbers.iter().flat_map(|x| x.to_le_bytes()).collect(),
-        Way::Binary { is_little: false } => numbers.iter().flat_map(|x| x.to_be_bytes()).collect(),
-        Way::Text => numbers
+        NumberForm::Binary { is_little: true } => {
+            numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
+        }
+        NumberForm::Binary { is_little: false } => {
+            numbers.iter().flat_map(|x| x.to_be_bytes()).collect()
+        }
+        NumberForm::Text => numbers
             .chunks(4)
             .map(|row| row.iter().map(|x| format!(" {x:19.12e}")).collect::<String>() + "\r\n")
             .collect::<String>()
             .into_bytes(),
         // Fields of full width without a blank between them.
-        Way::Glued => {
+        NumberForm::Glued => {
             let field = |(k, x): (usize, &f64)| {
                 if !even && k % 2 == 0 { format!("{x:+013.5E}") } else { format!("{x:+020.12E}") }
             };
@@ -52,7 +56,7 @@ fn dataset(name: &str, unit: &str, kind: u8, size: f64, even: bool, way: Way) ->
         }
     };
     let begin = match way {
-        Way::Binary { is_little } => {
+        NumberForm::Binary { is_little } => {
             let order = 2 - u8::from(is_little);
             format!(
                 "    58b{order:6}{:6}{:12}{:12}{:6}{:6}{:12}{:12}",
@@ -126,10 +130,10 @@ fn time_responses_are_columns_whatever_way_they_are_written() {
     let folder = tempfile::tempdir().unwrap();
     for even in [true, false] {
         let ways = [
-            Way::Text,
-            Way::Glued,
-            Way::Binary { is_little: true },
-            Way::Binary { is_little: false },
+            NumberForm::Text,
+            NumberForm::Glued,
+            NumberForm::Binary { is_little: true },
+            NumberForm::Binary { is_little: false },
         ];
         for way in ways {
             let file = [
@@ -160,12 +164,12 @@ fn time_responses_are_columns_whatever_way_they_are_written() {
 #[test]
 fn what_is_cut_off_or_has_no_time_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let complete = dataset("u", "V", 1, 1.0, true, Way::Binary { is_little: true });
+    let complete = dataset("u", "V", 1, 1.0, true, NumberForm::Binary { is_little: true });
     let refused = |bytes: &[u8]| read(folder.path(), bytes).unwrap_err().to_string();
     assert!(refused(&complete[..complete.len() - 100]).contains("ends within"));
-    let text = dataset("u", "V", 1, 1.0, true, Way::Text);
+    let text = dataset("u", "V", 1, 1.0, true, NumberForm::Text);
     assert!(refused(&text[..text.len() - 200]).contains("of 50 values"));
-    let spectrum = dataset("u", "V", 4, 1.0, true, Way::Text);
+    let spectrum = dataset("u", "V", 4, 1.0, true, NumberForm::Text);
     assert!(refused(&spectrum).contains("without a time response (1 other functions)"));
     for end in (0..text.len()).step_by(17) {
         let _ = read(folder.path(), &text[..end]);

@@ -13,7 +13,7 @@ use self::leftover::leftover;
 use self::sensor::{noisier, stepped};
 use crate::base::compose::GAIN;
 use crate::belief;
-use crate::candidate::{Candidate, Looked, Why};
+use crate::candidate::{Candidate, RankedFamily, Why};
 use crate::experiment;
 use crate::gap::{
     Estimate, Gap, ModelKind, NamedEffect, OutputGap, Partial, Provenance, Retuned, SCHEMA, Shrink,
@@ -261,7 +261,7 @@ fn named(o: &Outcome) -> Vec<NamedEffect> {
 fn effect_of(
     o: &Outcome,
     (candidate, slot): (&Candidate, usize),
-    rivals: &[Looked],
+    rivals: &[RankedFamily],
     explained: f64,
 ) -> NamedEffect {
     let family = candidate.picks[slot].0;

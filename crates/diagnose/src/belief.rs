@@ -1,6 +1,6 @@
 //! How sure a name is: probabilities of rivals, and of none of them.
 
-use crate::candidate::{Candidate, Looked};
+use crate::candidate::{Candidate, RankedFamily};
 use crate::formula::Family;
 use crate::thresholds::belief::Thresholds;
 
@@ -15,7 +15,7 @@ pub(crate) struct Belief {
 
 /// What beliefs are formed from beside the candidates.
 #[derive(Clone, Copy)]
-pub(crate) struct Sight<'a> {
+pub(crate) struct BeliefContext<'a> {
     pub(crate) library: &'a [Family],
     /// Held-out mean square of the re-tuned model over the noise's, less 1.
     pub(crate) base_excess: f64,
@@ -27,7 +27,7 @@ pub(crate) struct Sight<'a> {
     pub(crate) caused: f64,
 }
 
-impl<'a> Sight<'a> {
+impl<'a> BeliefContext<'a> {
     /// With this re-tuned model.
     pub(crate) fn new(library: &'a [Family], base: &Candidate, adequate: f64, fine: f64) -> Self {
         let base_excess = (base.judged.held_out - 1.0).max(0.0);
@@ -50,7 +50,11 @@ fn prior(library: &[Family], family: usize) -> f64 {
 }
 
 /// Probabilities of the families for one slot, largest first; the rest to 1 is 'none of these'.
-pub(crate) fn beliefs(sight: &Sight<'_>, looked: &[Looked], own: &Candidate) -> Vec<Belief> {
+pub(crate) fn beliefs(
+    sight: &BeliefContext<'_>,
+    looked: &[RankedFamily],
+    own: &Candidate,
+) -> Vec<Belief> {
     let fitted: Vec<(usize, &Candidate)> =
         looked.iter().filter_map(|l| Some((l.family, l.best.as_ref()?))).collect();
     let Some(best) = fitted.iter().map(|(_, c)| *c).min_by(|a, b| a.rank.total_cmp(&b.rank)) else {
@@ -105,12 +109,12 @@ fn left(c: &Candidate) -> f64 {
 
 /// Logarithm of the odds against formulas that leave `rival` and not `own`, mean squares of fits to the same rows, whose
 /// ranks are that far apart.
-pub(crate) fn against(sight: &Sight<'_>, rival: f64, own: f64, ranks: f64) -> f64 {
+pub(crate) fn against(sight: &BeliefContext<'_>, rival: f64, own: f64, ranks: f64) -> f64 {
     apart(times(sight, rival, own), ranks)
 }
 
 /// How many times more than `own` the mean square `rival` leaves, as far as the noise lets one see it.
-fn times(sight: &Sight<'_>, rival: f64, own: f64) -> f64 {
+fn times(sight: &BeliefContext<'_>, rival: f64, own: f64) -> f64 {
     1.0 + (rival - own).max(0.0) / sight.over(own)
 }
 
@@ -126,7 +130,7 @@ fn excess(c: &Candidate) -> f64 {
 
 /// How likely a formula of the library leaves so much: the more is left over what the noise alone may
 /// leave, and the larger a part of the gap that is, the less.
-pub(crate) fn formula_is_known(sight: &Sight<'_>, own: &Candidate) -> f64 {
+pub(crate) fn formula_is_known(sight: &BeliefContext<'_>, own: &Candidate) -> f64 {
     let caused = (sight.caused - sight.fine).max(0.0);
     let left = (excess(own) - (sight.adequate - 1.0)).max(caused) / sight.base_excess.max(0.1);
     1.0 / (1.0 + (left / Thresholds::LEFT_OF_UNKNOWN).powf(Thresholds::STEEPNESS))
@@ -135,7 +139,7 @@ pub(crate) fn formula_is_known(sight: &Sight<'_>, own: &Candidate) -> f64 {
 /// How likely one of several effects is one, and no repair of what the others' formulas leave: `alone` is
 /// the part of the gap that comes back without it. A repair takes a small part of the gap, and does not
 /// fit it much better than the formula that it repairs.
-pub(crate) fn is_effect(sight: &Sight<'_>, own: &Candidate, alone: f64) -> f64 {
+pub(crate) fn is_effect(sight: &BeliefContext<'_>, own: &Candidate, alone: f64) -> f64 {
     let times = alone * sight.base_excess / (excess(own) + Thresholds::UNSEEN);
     let odds = (alone / Thresholds::REPAIR).powf(Thresholds::STEEPNESS)
         + (times / Thresholds::REPAIRED).powf(Thresholds::STEEPNESS);

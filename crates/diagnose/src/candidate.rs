@@ -59,7 +59,7 @@ impl Candidate {
 
 /// A family that was looked at in a round.
 #[derive(Clone)]
-pub(crate) struct Looked {
+pub(crate) struct RankedFamily {
     pub(crate) family: usize,
     pub(crate) screening: f64,
     /// The best formula, where it was fitted.
@@ -100,9 +100,9 @@ pub(crate) struct Found {
     /// The model with the effects that are named; the re-tuned model where none is.
     pub(crate) last: Candidate,
     /// For each effect of `last`, all families in its place, best first (the effect itself among them).
-    pub(crate) rivals: Vec<Vec<Looked>>,
+    pub(crate) rivals: Vec<Vec<RankedFamily>>,
     /// The families of the first round, best first.
-    pub(crate) first: Vec<Looked>,
+    pub(crate) first: Vec<RankedFamily>,
     /// For each effect of `last`, the part of the held-out gap that comes back without it.
     pub(crate) alone: Vec<f64>,
     /// The effects of `last` with the best further one, which is not named.

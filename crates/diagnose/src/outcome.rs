@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::belief::Sight;
+use crate::belief::BeliefContext;
 use crate::between::Course;
 use crate::candidate::{Candidate, Found};
 use crate::formula::{Family, Formula};
@@ -129,9 +129,9 @@ impl Outcome {
     }
 
     /// What beliefs in what was found are formed from.
-    pub(crate) fn sight(&self) -> Sight<'_> {
-        let sight = Sight::new(&self.library, &self.found.base, self.adequate, self.fine);
-        Sight { caused: self.caused, ..sight }
+    pub(crate) fn sight(&self) -> BeliefContext<'_> {
+        let sight = BeliefContext::new(&self.library, &self.found.base, self.adequate, self.fine);
+        BeliefContext { caused: self.caused, ..sight }
     }
 
     /// Mean square in SI that [`Self::best`] leaves, on fitted and held-out rows alike.

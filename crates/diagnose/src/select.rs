@@ -15,7 +15,7 @@ use rayon::prelude::*;
 pub(crate) use self::memo::Memo;
 use self::memo::Part;
 use crate::base::Base;
-use crate::candidate::{Candidate, Looked, Why, carried};
+use crate::candidate::{Candidate, RankedFamily, Why, carried};
 use crate::chain::Chain;
 use crate::data_set::DataSet;
 use crate::error::Failed;
@@ -104,16 +104,16 @@ impl<'a> Search<'a> {
     }
 
     /// All families as the next effect beside those of `from`, best first.
-    pub(crate) fn expand(&self, from: &Candidate) -> Result<Vec<Looked>, Failed> {
+    pub(crate) fn expand(&self, from: &Candidate) -> Result<Vec<RankedFamily>, Failed> {
         self.expand_where(from, f64::INFINITY)
     }
 
     /// All families as the next effect, where one of them promises to leave at most this mean square.
-    fn expand_where(&self, from: &Candidate, most: f64) -> Result<Vec<Looked>, Failed> {
+    fn expand_where(&self, from: &Candidate, most: f64) -> Result<Vec<RankedFamily>, Failed> {
         self.once(Part::Expansion, from, || self.expand_anew(from, most))
     }
 
-    fn expand_anew(&self, from: &Candidate, most: f64) -> Result<Vec<Looked>, Failed> {
+    fn expand_anew(&self, from: &Candidate, most: f64) -> Result<Vec<RankedFamily>, Failed> {
         let linear = self.fitter().linearise(&from.chain, &from.fit.theta)?;
         let fixed = self.formulas(&from.picks);
         let jobs: Vec<(usize, usize)> = (0..self.library.len())
@@ -172,9 +172,9 @@ impl<'a> Search<'a> {
             .collect();
         // A resonance that moved by more than its width promises nothing in the first order.
         self.resonance_elsewhere(&mut fitted);
-        let mut looked: Vec<Looked> = families
+        let mut looked: Vec<RankedFamily> = families
             .iter()
-            .map(|(family, screening)| Looked {
+            .map(|(family, screening)| RankedFamily {
                 family: *family,
                 screening: *screening,
                 best: None,
@@ -219,7 +219,7 @@ impl<'a> Search<'a> {
         &self,
         from: &Candidate,
         fixed: &[&Formula],
-        entry: &mut Looked,
+        entry: &mut RankedFamily,
         linear: &Linear,
         as_gain: f64,
     ) {
@@ -227,7 +227,7 @@ impl<'a> Search<'a> {
         let Some(mut left) = entry.best.as_ref().map(own) else { return };
         let family = &self.library[entry.family];
         let is_gain = family.effect.name == effects::ACTUATOR_GAIN.name;
-        let mut holds = |null: f64, entry: &mut Looked| {
+        let mut holds = |null: f64, entry: &mut RankedFamily| {
             // What promised far more than it came to was not fitted to its end.
             let is_small = entry
                 .best
@@ -383,7 +383,7 @@ fn rank((rows, data): (f64, f64), prior: f64, freedom: usize) -> f64 {
 }
 
 /// Fitted families by rank, then the others by what they promised.
-fn sort(looked: &mut [Looked]) {
+fn sort(looked: &mut [RankedFamily]) {
     looked.sort_by(|a, b| match (&a.best, &b.best) {
         (Some(x), Some(y)) => x.rank.total_cmp(&y.rank).then(a.family.cmp(&b.family)),
         (Some(_), None) => std::cmp::Ordering::Less,

@@ -14,7 +14,7 @@ use crate::fit::operator::{Fit, Operator};
 use crate::fit::response::LinearPart;
 use crate::identification::{Candidate, Estimate, Identification, Predicted};
 use crate::judge::simulate;
-use crate::methods::{Chain, GAIN, Method, STATIC, Scene};
+use crate::methods::{Chain, FitContext, GAIN, Method, STATIC};
 use crate::observer::Observer;
 use crate::plant::Plant;
 use crate::record::Record;
@@ -142,7 +142,7 @@ struct Session<'a> {
     records: &'a [Record],
     target: &'a Target,
     plan: &'a Plan,
-    scene: &'a Scene,
+    scene: &'a FitContext,
     observer: &'a mut dyn Observer,
     /// Of each record, by the static model.
     offsets: Vec<f64>,

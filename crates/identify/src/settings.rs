@@ -5,7 +5,7 @@ use data::AxisBlueprint;
 use crate::error::{Error, Problem, SettingsProblem};
 use crate::fit::operator::Search;
 use crate::learned::{Seek, Selection};
-use crate::methods::{self, LINEAR, METHODS, STATIC, Scene, Way};
+use crate::methods::{self, FitContext, LINEAR, METHODS, STATIC, Strategy};
 use crate::record::{Record, Rows, common_period};
 
 /// Choices of an identification; [`Settings::default`] suits a log of some periods of a large slow
@@ -149,7 +149,7 @@ pub(crate) struct Plan {
     pub(crate) dynamics: Dynamics,
     /// Half the range of the command in the rows fitted on.
     pub(crate) half_range: f64,
-    pub(crate) methods: Vec<Way>,
+    pub(crate) methods: Vec<Strategy>,
     /// Whether the best of the methods is returned and not the static model.
     pub(crate) named: bool,
     /// Whether a model without hysteresis may be returned.
@@ -161,7 +161,7 @@ pub(crate) struct Plan {
 
 impl Plan {
     /// What methods know of the rows fitted on.
-    pub(crate) fn scene(&self, records: &[Record]) -> Scene {
+    pub(crate) fn scene(&self, records: &[Record]) -> FitContext {
         let rows = || records.iter().zip(&self.fitted);
         let duration = rows().map(|(record, rows)| rows.len() as f64 * record.period());
         let span = |column: fn(&Record) -> &[f64]| {
@@ -169,10 +169,10 @@ impl Plan {
             [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
         };
         let (command, position) = (span(Record::input), span(Record::output));
-        Scene {
+        FitContext {
             command,
             position,
-            zero: Scene::zero_of(command, position),
+            zero: FitContext::zero_of(command, position),
             duration: duration.fold(0.0, f64::max),
             thresholds: self.thresholds.clone(),
             levels: self.levels,
@@ -228,9 +228,9 @@ impl Settings {
     }
 
     /// The methods that are tried.
-    fn chosen(&self) -> Result<Vec<Way>, Error> {
+    fn chosen(&self) -> Result<Vec<Strategy>, Error> {
         match &self.methods {
-            Methods::Sensible => Ok(METHODS.iter().copied().map(Way::Operator).collect()),
+            Methods::Sensible => Ok(METHODS.iter().copied().map(Strategy::Operator).collect()),
             Methods::Named(names) => {
                 let unknown = |name: &String| {
                     let names = methods::methods().map(|(name, _)| name).collect::<Vec<_>>();

@@ -17,7 +17,7 @@ mod term;
 
 use model::{Component, ComponentRef, Declaration, Inverse, Sizes, Table, Tick, Violation};
 
-use crate::features::{Derivatives, Features, Narx, Stops};
+use crate::features::{Derivatives, Features, Narx, StopOperators};
 use crate::{Deviation, KernelSum};
 
 /// All component types: those of the library, then those that run learned tables.
@@ -77,7 +77,7 @@ fn narx(_period: f64, structure: &[f64]) -> Option<Features> {
 fn stops(period: f64, structure: &[f64]) -> Option<Features> {
     let &[count, range, rate_scale, ..] = structure else { return None };
     let (count, projection) = (count as usize, Vec::new());
-    Some(Features::Stops(Stops { count, range, period, rate_scale, projection }))
+    Some(Features::StopOperators(StopOperators { count, range, period, rate_scale, projection }))
 }
 
 fn derivatives(_period: f64, structure: &[f64]) -> Option<Features> {
@@ -93,7 +93,7 @@ impl Family {
             .ok_or("the structure does not give a set of inputs; inputs are 2, 6, 9 or 12")?;
         let d = features.dimension();
         let (slope, is_projected, centres) = match (&features, structure) {
-            (Features::Stops(_), &[.., slope, projected]) => (slope, projected > 0.5, 0),
+            (Features::StopOperators(_), &[.., slope, projected]) => (slope, projected > 0.5, 0),
             (Features::Derivatives(_), &[_, _, _, _, slope, ref rest @ ..]) => {
                 (slope, false, rest.first().map_or(0, |count| *count as usize))
             }
@@ -101,7 +101,7 @@ impl Family {
         };
         let behind = Deviation::rows(centres, d + 1);
         let (sum, before, behind) = kernels_of(table, d, [usize::from(is_projected), behind])?;
-        if let (Features::Stops(stops), true) = (&mut features, is_projected) {
+        if let (Features::StopOperators(stops), true) = (&mut features, is_projected) {
             stops.projection = before[1..=stops.count].to_vec();
         }
         let widths = &table.values()[1..=d];

@@ -8,7 +8,7 @@ pub mod term;
 
 pub use derivatives::Derivatives;
 pub use narx::Narx;
-pub use stops::Stops;
+pub use stops::StopOperators;
 
 use crate::KernelSum;
 
@@ -26,7 +26,7 @@ pub enum Features {
     /// Past commands and the model's own past outputs.
     Narx(Narx),
     /// Stop operators, the command and its rate.
-    Stops(Stops),
+    StopOperators(StopOperators),
     /// The command and its derivatives about one instant.
     Derivatives(Derivatives),
 }
@@ -37,7 +37,7 @@ impl Features {
     pub fn dimension(&self) -> usize {
         match self {
             Self::Narx(narx) => narx.dimension(),
-            Self::Stops(stops) => stops.dimension(),
+            Self::StopOperators(stops) => stops.dimension(),
             Self::Derivatives(derivatives) => derivatives.dimension(),
         }
     }
@@ -47,7 +47,7 @@ impl Features {
     pub fn memory(&self) -> usize {
         match self {
             Self::Narx(narx) => narx.memory(),
-            Self::Stops(stops) => stops.memory(),
+            Self::StopOperators(stops) => stops.memory(),
             Self::Derivatives(derivatives) => derivatives.memory(),
         }
     }
@@ -57,7 +57,7 @@ impl Features {
     pub fn delay(&self) -> usize {
         match self {
             Self::Derivatives(derivatives) => derivatives.delay(),
-            Self::Narx(_) | Self::Stops(_) => 0,
+            Self::Narx(_) | Self::StopOperators(_) => 0,
         }
     }
 
@@ -65,7 +65,7 @@ impl Features {
     pub fn rest(&self, u: f64, y: f64, memory: &mut [f64]) {
         match self {
             Self::Narx(narx) => narx.rest(u, y, memory),
-            Self::Stops(stops) => stops.rest(u, memory),
+            Self::StopOperators(stops) => stops.rest(u, memory),
             Self::Derivatives(derivatives) => derivatives.rest(u, memory),
         }
     }
@@ -74,7 +74,7 @@ impl Features {
     pub fn step(&self, u: f64, memory: &mut [f64], z: &mut [f64]) {
         match self {
             Self::Narx(narx) => narx.step(u, memory, z),
-            Self::Stops(stops) => stops.step(u, memory, z),
+            Self::StopOperators(stops) => stops.step(u, memory, z),
             Self::Derivatives(derivatives) => derivatives.step(u, memory, z),
         }
     }

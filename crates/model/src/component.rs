@@ -80,7 +80,7 @@ impl Inverse {
 /// One way through a coupling, from one of its paths to another: a component with one input and one output.
 #[cfg(not(target_family = "wasm"))]
 #[derive(Clone)]
-pub struct Way {
+pub struct TransferPath {
     /// The component.
     pub component: &'static dyn Component,
     /// The component's structure.
@@ -90,7 +90,7 @@ pub struct Way {
 }
 
 #[cfg(not(target_family = "wasm"))]
-impl Way {
+impl TransferPath {
     /// A component of this structure whose values are these of the coupling.
     #[must_use]
     pub fn new(
@@ -205,7 +205,7 @@ pub trait Component: Send + Sync {
     /// The way from path number `from` to path number `to` of a coupling with this structure, where each of its
     /// outputs is the sum of such ways, without further terms; none where it is not.
     #[cfg(not(target_family = "wasm"))]
-    fn way(&self, structure: &[f64], to: usize, from: usize) -> Option<Way> {
+    fn way(&self, structure: &[f64], to: usize, from: usize) -> Option<TransferPath> {
         let (_, _, _) = (structure, to, from);
         None
     }
@@ -214,7 +214,7 @@ pub trait Component: Send + Sync {
     /// one value alone changes, the output of the first part that takes it changes as that of the component does. None
     /// behind the last, and of one that is no sum.
     #[cfg(not(target_family = "wasm"))]
-    fn part(&self, structure: &[f64], number: usize) -> Option<Way> {
+    fn part(&self, structure: &[f64], number: usize) -> Option<TransferPath> {
         let (_, _) = (structure, number);
         None
     }

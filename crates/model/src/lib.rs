@@ -32,7 +32,7 @@ pub use bundle::Bundle;
 #[doc(hidden)]
 pub use component::Record;
 #[cfg(not(target_family = "wasm"))]
-pub use component::Way;
+pub use component::TransferPath;
 pub use component::{
     Component, ComponentRef, Example, Extension, Inverse, Sizes, Tick, Undoing, Violation,
 };

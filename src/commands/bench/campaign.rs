@@ -8,7 +8,7 @@ use bench::campaign::{Campaign, Trial};
 use bench::emulate::{Behaviour, Emulator, Plant, Script, Timing};
 use bench::plan::{Plan, Prepared};
 use bench::record::{About, Converted, Format, Journal, convert};
-use bench::rehearsal::Rehearsal;
+use bench::virtual_run::VirtualRun;
 use clap::Args;
 use cli::{Answer, PageOptions, Screen};
 use cosim::InstanceOptions;
@@ -123,12 +123,12 @@ impl Run {
         let trials = campaign.run(
             settle,
             |script| {
-                let rehearsal = bench.rehearsal(script)?;
-                Ok(if keeper.is_some() { rehearsal.recorded() } else { rehearsal })
+                let virtual_run = bench.virtual_run(script)?;
+                Ok(if keeper.is_some() { virtual_run.recorded() } else { virtual_run })
             },
-            |trial, rehearsal| -> anyhow::Result<()> {
+            |trial, virtual_run| -> anyhow::Result<()> {
                 let Some(keeper) = &keeper else { return Ok(()) };
-                records.push(keeper.keep(records.len() + 1, trial, rehearsal)?);
+                records.push(keeper.keep(records.len() + 1, trial, virtual_run)?);
                 Ok(())
             },
         )?;
@@ -160,7 +160,7 @@ impl Run {
 }
 
 impl Keeper {
-    fn keep(&self, number: usize, trial: &Trial, bench: &Rehearsal) -> anyhow::Result<Converted> {
+    fn keep(&self, number: usize, trial: &Trial, bench: &VirtualRun) -> anyhow::Result<Converted> {
         let (ending, format) = match self.kind {
             RecordKind::Parquet => ("parquet", Format::Parquet),
             RecordKind::Csv => ("csv", Format::Csv),
@@ -191,7 +191,7 @@ impl Bench {
     }
 
     /// Runner and machine for one trial.
-    fn rehearsal(&self, script: Script) -> anyhow::Result<Rehearsal> {
+    fn virtual_run(&self, script: Script) -> anyhow::Result<VirtualRun> {
         let Prepared { cycle, settings, .. } = self.prepare()?;
         if cycle.axes() != self.commands.len() {
             bail!(
@@ -211,7 +211,7 @@ impl Bench {
         };
         let heartbeat = self.heartbeat;
         let behaviour = Behaviour { timing: Timing::Clock, period_ns, heartbeat, safe };
-        Ok(Rehearsal::new(cycle, Emulator::new(plant, behaviour, script), period_ns))
+        Ok(VirtualRun::new(cycle, Emulator::new(plant, behaviour, script), period_ns))
     }
 }
 

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Context, bail};
 use cosim::plan::{Plan as SystemPlan, PlannedStart, Prepared};
 use cosim::{
-    Ending, Fmu, InstanceOptions, Loop, LoopSettings, Points, Port, Run, Signals, Slave, Value, Way,
+    Ending, Fmu, InstanceOptions, Loop, LoopSettings, Points, Port, Run, Signals, Slave,
+    Transformations, Value,
 };
 use data::Log;
 use modeldescription::ModelDescription;
@@ -227,7 +228,7 @@ impl SignalRuns {
         let mut plan = system_plan(&self.stage, run)?;
         for (to, value) in starts {
             let place = format!("{}: {}.{}", self.plan.origin.display(), to.slave, to.variable);
-            let (value, way) = (planned(value), Way::default());
+            let (value, way) = (planned(value), Transformations::default());
             plan.starts.push(PlannedStart { to, value, way, place, optional: false });
         }
         let file = self.plan.origin.clone();

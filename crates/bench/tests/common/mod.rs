@@ -6,8 +6,8 @@ pub mod lockstep;
 
 use bench::cycle::{Controller, Cycle, Driver, Player, Setup};
 use bench::emulate::{Behaviour, Emulator, Plant, Script, Timing};
-use bench::rehearsal::Rehearsal;
 use bench::safety::{AxisLimits, Watch};
+use bench::virtual_run::VirtualRun;
 use cosim::{Error, Experiment, Selection, Slave, StepResult, Value};
 use modeldescription::description::CoSimulation;
 use modeldescription::variable::{Causality, DataType, Start, Variable};
@@ -186,8 +186,8 @@ pub fn emulator(axes: usize, script: Script) -> Emulator {
     Emulator::new(plant(axes), behaviour, script)
 }
 
-pub fn rehearsal(axes: usize, driver: Driver, script: Script) -> Rehearsal {
-    Rehearsal::new(cycle(axes, driver), emulator(axes, script), PERIOD_NS)
+pub fn virtual_run(axes: usize, driver: Driver, script: Script) -> VirtualRun {
+    VirtualRun::new(cycle(axes, driver), emulator(axes, script), PERIOD_NS)
 }
 
 /// A controller of an instrument with a servo: its commands are targets in um, the references

@@ -118,7 +118,7 @@ impl Component for ModalMatrix {
     }
 
     #[cfg(not(target_family = "wasm"))]
-    fn way(&self, structure: &[f64], to: usize, from: usize) -> Option<model::Way> {
+    fn way(&self, structure: &[f64], to: usize, from: usize) -> Option<model::TransferPath> {
         let (n, modes) = counts(structure);
         if to.max(from) >= n {
             return None;
@@ -128,15 +128,15 @@ impl Component for ModalMatrix {
         let residues = (0..2 * modes).map(move |k| entries + 2 * modes + k * entries + own);
         let takes = core::iter::once(own).chain(poles).chain(residues);
         let modes = modes as f64;
-        Some(model::Way::new(&ModalMatrix, &[1.0, 1.0, modes, modes], takes))
+        Some(model::TransferPath::new(&ModalMatrix, &[1.0, 1.0, modes, modes], takes))
     }
 
     #[cfg(not(target_family = "wasm"))]
-    fn part(&self, structure: &[f64], number: usize) -> Option<model::Way> {
+    fn part(&self, structure: &[f64], number: usize) -> Option<model::TransferPath> {
         let (n, modes) = counts(structure);
         let of_mode = (0..4).map(|place| 1 + place * modes + number);
         let takes = core::iter::once(0).chain(of_mode);
-        (n == 1 && number < modes).then(|| model::Way::new(&ModalMatrix, &[1.0; 4], takes))
+        (n == 1 && number < modes).then(|| model::TransferPath::new(&ModalMatrix, &[1.0; 4], takes))
     }
 
     fn sizes(&self, structure: &[f64], _period: f64) -> Sizes {

@@ -31,7 +31,7 @@ use percent_encoding::percent_decode_str;
 use super::{Coupling, Master, Plan, PlannedConnection, PlannedFmu, PlannedStart};
 use crate::error::Error;
 use crate::port::Port;
-use crate::unit::Way;
+use crate::unit::Transformations;
 
 /// Names that a message lists.
 const MOST_NAMED: usize = 20;
@@ -218,7 +218,7 @@ impl Reader {
             plan.starts.push(PlannedStart {
                 to: Port::from((name.as_str(), variable.as_str())),
                 value: parsed,
-                way: Way::default(),
+                way: Transformations::default(),
                 place: format!("{}:{}: initial value of {name}.{variable}", self.file, value.line),
                 optional: false,
             });
@@ -257,7 +257,7 @@ impl Reader {
             let ends: Vec<End> = connection.children.iter().map(|end| self.end(end)).collect();
             match <[End; 2]>::try_from(ends) {
                 Ok([End::Variable(from), End::Variable(to)]) => {
-                    let (way, place) = (Way::default(), self.place(connection));
+                    let (way, place) = (Transformations::default(), self.place(connection));
                     plan.connections.push(PlannedConnection { from, to, way, place });
                 }
                 Ok([End::Signal(function, signal), End::Variable(port)])
@@ -311,7 +311,7 @@ impl Reader {
                 );
                 continue;
             };
-            let (from, way) = (from.clone(), Way::scaled(*factor, *offset, true));
+            let (from, way) = (from.clone(), Transformations::scaled(*factor, *offset, true));
             let place = self.place(connection);
             plan.connections.push(PlannedConnection { from, to, way, place });
         }

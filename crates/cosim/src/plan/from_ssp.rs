@@ -8,7 +8,7 @@ use modeldescription::xml;
 use super::{Coupling, Master, Plan, PlannedConnection, PlannedFmu, PlannedInput, PlannedStart};
 use crate::error::Error;
 use crate::port::Port;
-use crate::unit::Way;
+use crate::unit::Transformations;
 
 /// `type` of the annotation that holds what SSP has no words for: step, algorithm, order.
 pub(super) const ANNOTATION: &str = "io.github.piezoloop";
@@ -26,19 +26,19 @@ impl Plan {
         let connections = flat.connections.iter().map(|connection| PlannedConnection {
             from: port(&connection.from),
             to: port(&connection.to),
-            way: Way(connection.way.clone()),
+            way: Transformations(connection.way.clone()),
             place: format!("{}:{}", ssp.file_name(), connection.line.0),
         });
         let inputs = flat.inputs.iter().map(|input| PlannedInput {
             column: input.connector.clone(),
             to: port(&input.to),
-            way: Way(input.way.clone()),
+            way: Transformations(input.way.clone()),
             place: format!("{}:{}", ssp.file_name(), input.line.0),
         });
         let starts = flat.starts.iter().map(|start| PlannedStart {
             to: port(&start.to),
             value: start.value.clone(),
-            way: Way(vec![start.way.clone()]),
+            way: Transformations(vec![start.way.clone()]),
             place: start.place.clone(),
             optional: true,
         });

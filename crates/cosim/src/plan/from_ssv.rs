@@ -7,7 +7,7 @@ use modeldescription::ssp::{Linear, ParameterSet, SspError};
 
 use super::{Plan, PlannedStart};
 use crate::error::Error;
-use crate::unit::Way;
+use crate::unit::Transformations;
 
 impl Plan {
     /// Takes the start values of an SSV, whose parameters are named `fmu.variable`. They replace
@@ -39,7 +39,7 @@ impl Plan {
             self.starts.push(PlannedStart {
                 to,
                 value: parameter.value,
-                way: Way(vec![step]),
+                way: Transformations(vec![step]),
                 place: format!("{file}:{}: parameter \"{}\"", parameter.line.0, parameter.name),
                 optional: false,
             });

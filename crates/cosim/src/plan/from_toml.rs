@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 use super::{Coupling, Master, Plan, PlannedConnection, PlannedFmu, PlannedInput, PlannedStart};
 use crate::algorithm::IterationSettings;
 use crate::error::Error;
-use crate::unit::Way;
+use crate::unit::Transformations;
 
 impl Plan {
     pub(super) fn read_toml(path: &Path) -> Result<Self, Error> {
@@ -120,7 +120,7 @@ impl Reader {
             let Some(to) = self.port(&plan, "inputs", &to, value) else { continue };
             let Some(column) = self.is_text(value, "inputs") else { continue };
             let place = self.place(value);
-            plan.inputs.push(PlannedInput { column, to, way: Way::default(), place });
+            plan.inputs.push(PlannedInput { column, to, way: Transformations::default(), place });
         }
         for (name, value) in self.table(root, "record") {
             let Some(text) = self.is_text(value, "record") else { continue };
@@ -227,7 +227,7 @@ impl Reader {
             plan.starts.push(PlannedStart {
                 to: (name, variable).into(),
                 value: value_of,
-                way: Way::default(),
+                way: Transformations::default(),
                 place: format!("{}:{}: {at}", self.file, self.line(value.span().start)),
                 optional: false,
             });
@@ -247,10 +247,10 @@ impl Reader {
                     let way_out = "add from = \"fmu.variable\"";
                     return self.report(value.span().start, &place, "", "has no source", way_out);
                 };
-                (from, Way::scaled(factor, offset, !convert))
+                (from, Transformations::scaled(factor, offset, !convert))
             }
             _ => match self.is_text(value, &place) {
-                Some(from) => (from, Way::default()),
+                Some(from) => (from, Transformations::default()),
                 None => return,
             },
         };

@@ -16,7 +16,7 @@ use modeldescription::ssp::{ParameterValue, Ssp};
 use crate::algorithm::{IterationSettings, Relaxation};
 use crate::error::Error;
 use crate::port::Port;
-use crate::unit::Way;
+use crate::unit::Transformations;
 
 pub use prepare::Prepared;
 
@@ -92,7 +92,7 @@ pub struct PlannedConnection {
     /// The input.
     pub to: Port,
     /// What happens on the way.
-    pub way: Way,
+    pub way: Transformations,
     /// Where it stands in the plan, for messages.
     pub place: String,
 }
@@ -105,7 +105,7 @@ pub struct PlannedInput {
     /// The input.
     pub to: Port,
     /// What happens on the way.
-    pub way: Way,
+    pub way: Transformations,
     /// Where it stands in the plan, for messages.
     pub place: String,
 }
@@ -118,7 +118,7 @@ pub struct PlannedStart {
     /// The value.
     pub value: ParameterValue,
     /// What happens on the way.
-    pub way: Way,
+    pub way: Transformations,
     /// Where it stands, for messages.
     pub place: String,
     /// Ignored where there is no such variable, as SSP wants it.

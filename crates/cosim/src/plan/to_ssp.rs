@@ -13,7 +13,7 @@ use crate::algorithm::Relaxation;
 use crate::error::Error;
 use crate::port::Port;
 use crate::slave::Address;
-use crate::unit::Way;
+use crate::unit::Transformations;
 
 impl Plan {
     /// Writes the plan as an SSP 1.0 that holds the FMUs' files. `descriptions` are those of the
@@ -101,13 +101,13 @@ impl Export<'_> {
                 self.system_connector(name, Kind::Output, data_type);
                 let to = End { element: None, connector: name.clone() };
                 let from = self.end(port)?;
-                self.add(Connection::new(from, to), &Way::default());
+                self.add(Connection::new(from, to), &Transformations::default());
             }
         }
         Ok(())
     }
 
-    fn add(&mut self, mut connection: Connection, way: &Way) {
+    fn add(&mut self, mut connection: Connection, way: &Transformations) {
         let transformation = way.0.iter().filter_map(|step| step.transformation);
         let (mut factor, mut offset) = (1.0, 0.0);
         for (f, o) in transformation {
@@ -221,7 +221,7 @@ impl Export<'_> {
 }
 
 /// A value as the variable takes it: its conversion is applied where it is no unit's.
-fn scaled(value: &ParameterValue, way: &Way) -> ParameterValue {
+fn scaled(value: &ParameterValue, way: &Transformations) -> ParameterValue {
     let scale = way.0.iter().find_map(|step| step.transformation);
     match (value, scale) {
         (ParameterValue::Real(values), Some((factor, offset))) => {

@@ -1,7 +1,7 @@
 //! Couplings as the chain of one of their axes has them.
 
 use data::CheckedBlueprint;
-use model::{ComponentRef, CouplingSpec, NodeSpec, Unit, Way};
+use model::{ComponentRef, CouplingSpec, NodeSpec, TransferPath, Unit};
 
 use super::{Base, Part, Standing};
 use crate::chain::{ComponentNode, Front, Joint, OtherWay};
@@ -48,7 +48,7 @@ pub(crate) fn is_sum(blueprint: &CheckedBlueprint, coupling: &CouplingSpec) -> R
     }
 }
 
-fn way(node: &NodeSpec, to: usize, from: usize) -> Option<Way> {
+fn way(node: &NodeSpec, to: usize, from: usize) -> Option<TransferPath> {
     node.component.way(&node.structure, to, from)
 }
 
@@ -68,7 +68,7 @@ pub(super) fn joint(
     let no_way = || refused("it has no way from one of its axes to another");
     let to = place_in(axis).ok_or_else(no_way)?;
     let node = |from: usize| -> Result<(ComponentNode, Vec<usize>), Error> {
-        let Way { component, structure, takes } =
+        let TransferPath { component, structure, takes } =
             way(&coupling.node, to, from).ok_or_else(no_way)?;
         let values = takes.iter().map(|k| values[*k]).collect();
         let component = ComponentRef::Static(component);

@@ -33,13 +33,13 @@ fn candidate((training, held_out): (f64, f64), rank: f64, freedom: usize) -> Can
     }
 }
 
-fn looked(family: usize, best: Option<Candidate>) -> Looked {
-    Looked { family, screening: 0.0, best, why: None }
+fn looked(family: usize, best: Option<Candidate>) -> RankedFamily {
+    RankedFamily { family, screening: 0.0, best, why: None }
 }
 
 /// A large gap of the re-tuned model, of which nothing need be left.
-fn sight(library: &[Family]) -> Sight<'_> {
-    Sight { library, base_excess: 10.0, adequate: 1.1, fine: 0.0, caused: 0.0 }
+fn sight(library: &[Family]) -> BeliefContext<'_> {
+    BeliefContext { library, base_excess: 10.0, adequate: 1.1, fine: 0.0, caused: 0.0 }
 }
 
 /// Families of no group.
@@ -47,7 +47,7 @@ fn ungrouped() -> Vec<Family> {
     (0..8).map(|_| Family::new(&CLOCK_OFFSET, Vec::new())).collect()
 }
 
-fn all(looked: &[Looked]) -> Vec<(usize, f64)> {
+fn all(looked: &[RankedFamily]) -> Vec<(usize, f64)> {
     let own = candidate((0.0, 0.0), 0.0, 1);
     let library = ungrouped();
     beliefs(&sight(&library), looked, &own).iter().map(|b| (b.family, b.probability)).collect()
@@ -173,7 +173,7 @@ fn equals_stand_in_the_order_of_the_library() {
 fn the_more_is_left_the_less_is_the_cause_in_the_library() {
     let library = ungrouped();
     let sight = sight(&library);
-    let known = |left: f64, sight: &Sight<'_>| {
+    let known = |left: f64, sight: &BeliefContext<'_>| {
         let own = candidate((left, left), 0.0, 1);
         let found = beliefs(sight, &[looked(0, Some(own.clone()))], &own);
         found[0].probability
@@ -184,9 +184,15 @@ fn the_more_is_left_the_less_is_the_cause_in_the_library() {
     close(known(0.1 + 1.2, &sight), Thresholds::LIBRARY / 2.0);
     close(known(0.1 + 2.4, &sight), Thresholds::LIBRARY / (1.0 + 2.0_f64.powf(1.2)));
     // A smaller gap: the same is a larger part. One that is hardly there counts as a tenth of the noise.
-    close(known(0.1 + 0.6, &Sight { base_excess: 5.0, ..sight }), Thresholds::LIBRARY / 2.0);
-    close(known(0.1 + 0.012, &Sight { base_excess: 0.01, ..sight }), Thresholds::LIBRARY / 2.0);
-    close(known(0.3 + 1.2, &Sight { adequate: 1.3, ..sight }), Thresholds::LIBRARY / 2.0);
+    close(
+        known(0.1 + 0.6, &BeliefContext { base_excess: 5.0, ..sight }),
+        Thresholds::LIBRARY / 2.0,
+    );
+    close(
+        known(0.1 + 0.012, &BeliefContext { base_excess: 0.01, ..sight }),
+        Thresholds::LIBRARY / 2.0,
+    );
+    close(known(0.3 + 1.2, &BeliefContext { adequate: 1.3, ..sight }), Thresholds::LIBRARY / 2.0);
 }
 
 #[test]
@@ -195,7 +201,7 @@ fn a_name_of_a_group_is_less_sure_as_what_is_in_no_library_looks_like_it_too() {
     let sight = sight(&library);
     let own = candidate((0.0, 0.0), 0.0, 1);
     let believe = |rivals: &[(usize, f64)]| {
-        let looked: Vec<Looked> = rivals
+        let looked: Vec<RankedFamily> = rivals
             .iter()
             .map(|(family, left)| looked(*family, Some(candidate((*left, *left), 1e3 * left, 1))))
             .collect();
@@ -212,7 +218,7 @@ fn a_name_of_a_group_is_less_sure_as_what_is_in_no_library_looks_like_it_too() {
 #[test]
 fn what_takes_little_beside_others_may_only_repair_their_formulas() {
     let library = ungrouped();
-    let sight = Sight { base_excess: 100.0, ..sight(&library) };
+    let sight = BeliefContext { base_excess: 100.0, ..sight(&library) };
     let is_effect = |alone, left| is_effect(&sight, &candidate((left, left), 0.0, 2), alone);
     // A hundredth of a gap of which a hundredth is left: a repair as likely as not, and a thirtieth of the
     // cut that none reaches.
@@ -225,10 +231,10 @@ fn what_takes_little_beside_others_may_only_repair_their_formulas() {
 
 #[test]
 fn the_gap_is_what_the_retuned_model_leaves_over_the_noise() {
-    let sight = Sight::new(&[], &candidate((9.0, 4.0), 0.0, 0), 1.2, 0.0);
+    let sight = BeliefContext::new(&[], &candidate((9.0, 4.0), 0.0, 0), 1.2, 0.0);
     close(sight.base_excess, 4.0);
     close(sight.adequate, 1.2);
-    assert_eq!(Sight::new(&[], &candidate((9.0, -0.3), 0.0, 0), 1.2, 0.0).base_excess, 0.0);
+    assert_eq!(BeliefContext::new(&[], &candidate((9.0, -0.3), 0.0, 0), 1.2, 0.0).base_excess, 0.0);
 }
 
 fn library() -> Vec<Family> {
@@ -273,7 +279,7 @@ fn what_is_good_enough_tells_no_names_apart() {
     let near = candidate((0.09, 0.09), 0.0, 1);
     let rivals = [looked(0, Some(near.clone())), looked(1, Some(candidate((0.19, 0.19), 1e3, 1)))];
     let odds_with = |fine: f64| {
-        let sight = Sight { fine, ..sight(&library) };
+        let sight = BeliefContext { fine, ..sight(&library) };
         let found = beliefs(&sight, &rivals, &near);
         found[1].probability / found[0].probability
     };

@@ -1,7 +1,7 @@
 //! Runs of a component over the records of a data set.
 
 use components::mechanics::MODE;
-use model::{ComponentRef, Record, Way};
+use model::{ComponentRef, Record, TransferPath};
 
 use super::{ComponentNode, Horizon, ends_finite, ranges};
 use crate::data_set::DataSet;
@@ -67,7 +67,7 @@ impl ComponentNode {
             return Ok(true);
         }
         let parts = (0..).map_while(|number| self.component.part(&self.structure, number));
-        let parts: Vec<Way> = parts.collect();
+        let parts: Vec<TransferPath> = parts.collect();
         if parts.len() < 4 * changed.len() {
             return Ok(false);
         }

@@ -5,8 +5,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{Search, rank};
-use crate::belief::{self, Sight};
-use crate::candidate::{Candidate, Found, Looked, are_several_in_faint_gap, has_gap};
+use crate::belief::{self, BeliefContext};
+use crate::candidate::{Candidate, Found, RankedFamily, are_several_in_faint_gap, has_gap};
 use crate::causal;
 use crate::error::Failed;
 use crate::fit::Fitter;
@@ -24,7 +24,7 @@ impl Search<'_> {
     pub(crate) fn run(&self, base: Candidate) -> Result<Found, Failed> {
         let mut best = base.clone();
         let mut first = Vec::new();
-        let mut rivals: Vec<Vec<Looked>> = Vec::new();
+        let mut rivals: Vec<Vec<RankedFamily>> = Vec::new();
         let mut beyond = None;
         while best.picks.len() < self.max_effects && has_gap(&best, self.adequate) {
             // Without a first one nothing can be said; a further one that cannot be simulated ends no diagnosis.
@@ -89,7 +89,12 @@ impl Search<'_> {
 
     /// Whether rivals that fit the fitted rows as well as `own`, and are excluded by the held-out rows alone, are excluded by
     /// all rows: parameters that few rows do not determine predict nothing.
-    fn hold_against_all_rows(&self, base: &Candidate, own: &Candidate, looked: &mut [Looked]) {
+    fn hold_against_all_rows(
+        &self,
+        base: &Candidate,
+        own: &Candidate,
+        looked: &mut [RankedFamily],
+    ) {
         let is_open = |c: &Candidate| {
             c.picks.len() == 1
                 && c.picks[0].0 != own.picks[0].0
@@ -136,8 +141,8 @@ impl Search<'_> {
     fn first_alone(
         &self,
         base: &Candidate,
-        first: &[Looked],
-        rivals: &mut Vec<Vec<Looked>>,
+        first: &[RankedFamily],
+        rivals: &mut Vec<Vec<RankedFamily>>,
     ) -> (Candidate, Vec<f64>) {
         let nothing = (base.clone(), Vec::new());
         let Some(single) = first.iter().find_map(|l| l.best.clone()) else { return nothing };
@@ -155,7 +160,7 @@ impl Search<'_> {
         &self,
         base: &Candidate,
         mut best: Candidate,
-        rivals: &mut Vec<Vec<Looked>>,
+        rivals: &mut Vec<Vec<RankedFamily>>,
     ) -> (Candidate, Vec<f64>) {
         loop {
             let alone = self.alone(base, &best);
@@ -198,8 +203,8 @@ impl Search<'_> {
         &self,
         base: &Candidate,
         single: Candidate,
-        first: &[Looked],
-        rivals: &mut Vec<Vec<Looked>>,
+        first: &[RankedFamily],
+        rivals: &mut Vec<Vec<RankedFamily>>,
     ) -> Candidate {
         let mut best = single.clone();
         // A formula that leaves much imitates nothing: what is missing may be in no library.
@@ -226,8 +231,8 @@ impl Search<'_> {
         &self,
         base: &Candidate,
         found: &Candidate,
-        first: &[Looked],
-        rivals: &mut Vec<Vec<Looked>>,
+        first: &[RankedFamily],
+        rivals: &mut Vec<Vec<RankedFamily>>,
     ) -> Option<Candidate> {
         let fitted = first.iter().filter_map(|l| l.best.as_ref());
         // The search went on from the best one.
@@ -252,11 +257,11 @@ impl Search<'_> {
         &self,
         base: &Candidate,
         mut best: Candidate,
-        rivals: &mut Vec<Vec<Looked>>,
+        rivals: &mut Vec<Vec<RankedFamily>>,
     ) -> Candidate {
         let caused = causal::left_by(&best, self.data, self.sigma);
         loop {
-            let sight = Sight { caused, ..self.sight(base) };
+            let sight = BeliefContext { caused, ..self.sight(base) };
             if best.picks.is_empty() || !self.explains_enough(base, &best) {
                 return base.clone();
             }
@@ -352,8 +357,8 @@ impl Search<'_> {
     }
 
     /// What beliefs are formed from.
-    pub(super) fn sight(&self, base: &Candidate) -> Sight<'_> {
-        Sight::new(self.library, base, self.adequate, self.fine)
+    pub(super) fn sight(&self, base: &Candidate) -> BeliefContext<'_> {
+        BeliefContext::new(self.library, base, self.adequate, self.fine)
     }
 
     /// Whether one more effect is believed.
@@ -398,7 +403,7 @@ impl Search<'_> {
     }
 
     /// Looks at each slot again with the others in place, and takes what is better there.
-    fn reconsider(&self, mut best: Candidate, rivals: &mut Vec<Vec<Looked>>) -> Candidate {
+    fn reconsider(&self, mut best: Candidate, rivals: &mut Vec<Vec<RankedFamily>>) -> Candidate {
         let mut slot = 0;
         let mut swaps = 0;
         while slot < best.picks.len() {
@@ -454,7 +459,7 @@ impl Search<'_> {
         &self,
         base: &Candidate,
         mut best: Candidate,
-        rivals: &mut Vec<Vec<Looked>>,
+        rivals: &mut Vec<Vec<RankedFamily>>,
     ) -> Candidate {
         let mut slot = 0;
         while best.picks.len() > 1 && slot < best.picks.len() {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::Search;
 use super::memo::Part;
-use crate::candidate::{Candidate, Looked};
+use crate::candidate::{Candidate, RankedFamily};
 use crate::error::Failed;
 use crate::thresholds::fit::Thresholds;
 use crate::thresholds::search;
@@ -18,7 +18,8 @@ impl Search<'_> {
     ) -> Result<Option<Candidate>, Failed> {
         let gave = self.once(Part::Formula(slot), from, || {
             let other = self.with_another_formula_anew(from, slot)?;
-            let looked = |best| Looked { family: 0, screening: 0.0, best: Some(best), why: None };
+            let looked =
+                |best| RankedFamily { family: 0, screening: 0.0, best: Some(best), why: None };
             Ok(other.into_iter().map(looked).collect())
         })?;
         Ok(gave.into_iter().find_map(|looked| looked.best))

@@ -4,7 +4,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::Search;
-use crate::candidate::{Candidate, Looked};
+use crate::candidate::{Candidate, RankedFamily};
 use crate::error::Failed;
 use crate::fit::Fit;
 use crate::thresholds::search::Thresholds;
@@ -27,7 +27,7 @@ struct KeptPart {
     part: Part,
     from: Candidate,
     sigma: f64,
-    gave: Vec<Looked>,
+    gave: Vec<RankedFamily>,
 }
 
 /// What was made, the oldest first.
@@ -42,8 +42,8 @@ impl Search<'_> {
         &self,
         part: Part,
         from: &Candidate,
-        make: impl FnOnce() -> Result<Vec<Looked>, Failed>,
-    ) -> Result<Vec<Looked>, Failed> {
+        make: impl FnOnce() -> Result<Vec<RankedFamily>, Failed>,
+    ) -> Result<Vec<RankedFamily>, Failed> {
         let lock = || self.memo.all.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock()
             .iter()
@@ -70,7 +70,7 @@ impl Search<'_> {
     ) -> Result<Candidate, Failed> {
         let gave = self.once(part, from, || {
             let best = Some(make()?);
-            Ok(vec![Looked { family: 0, screening: 0.0, best, why: None }])
+            Ok(vec![RankedFamily { family: 0, screening: 0.0, best, why: None }])
         })?;
         gave.into_iter().find_map(|looked| looked.best).ok_or(Failed)
     }
@@ -82,7 +82,7 @@ impl Search<'_> {
     }
 
     /// A family in standard deviations of this search's noise.
-    fn rescaled(&self, mut looked: Looked, sigma: f64) -> Looked {
+    fn rescaled(&self, mut looked: RankedFamily, sigma: f64) -> RankedFamily {
         if sigma.to_bits() != self.sigma.to_bits() {
             looked.best = looked.best.map(|best| self.in_units(best, self.sigma / sigma));
         }
@@ -128,7 +128,7 @@ mod tests {
         close(same.judged.held_out, 4.0 * base.judged.held_out, 1e-9);
         let scaled = quieter.expand(&same).unwrap();
         assert_eq!((listed(&first), count()), (listed(&scaled), before));
-        let best = |looked: &[crate::select::Looked]| looked[0].best.clone().unwrap();
+        let best = |looked: &[crate::select::RankedFamily]| looked[0].best.clone().unwrap();
         assert_eq!(best(&first).fit.theta, best(&scaled).fit.theta);
         close(best(&scaled).fit.mean_square, 4.0 * best(&first).fit.mean_square, 1e-9);
         close(best(&scaled).judged.held_out, 4.0 * best(&first).judged.held_out, 1e-9);

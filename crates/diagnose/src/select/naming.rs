@@ -1,16 +1,16 @@
 //! Which of the rivals of each effect is named.
 
 use super::Search;
-use crate::belief::{self, Sight};
-use crate::candidate::{Candidate, Found, Looked};
+use crate::belief::{self, BeliefContext};
+use crate::candidate::{Candidate, Found, RankedFamily};
 
 impl Search<'_> {
     /// Each effect gives way to the most probable of its rivals beside the others: of those that leave alike the one
     /// with fewer coefficients.
     pub(super) fn most_probable(
         &self,
-        sight: &Sight<'_>,
-        rivals: &mut Vec<Vec<Looked>>,
+        sight: &BeliefContext<'_>,
+        rivals: &mut Vec<Vec<RankedFamily>>,
         mut best: Candidate,
     ) -> Candidate {
         for slot in (0..best.picks.len().min(rivals.len())).rev() {

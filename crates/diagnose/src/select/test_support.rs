@@ -166,7 +166,7 @@ pub(super) fn names(candidate: &Candidate) -> Vec<usize> {
 }
 
 /// Families of a list, in its order.
-pub(super) fn listed(looked: &[Looked]) -> Vec<usize> {
+pub(super) fn listed(looked: &[RankedFamily]) -> Vec<usize> {
     looked.iter().map(|l| l.family).collect()
 }
 

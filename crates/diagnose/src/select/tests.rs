@@ -157,7 +157,7 @@ fn the_seven_that_promise_most_are_fitted_and_five_beside_an_effect() {
     let truth: Vec<(usize, f64)> = (0..12).map(|k| (k + 1, k as f64 + 1.0)).collect();
     let mut synthetic = Synthetic::new(&truth, &columns);
     synthetic.parameter("released", false);
-    let fitted = |looked: &[Looked]| {
+    let fitted = |looked: &[RankedFamily]| {
         let mut all: Vec<usize> =
             looked.iter().filter(|l| l.best.is_some()).map(|l| l.family).collect();
         assert!(looked[..all.len()].iter().all(|l| l.best.is_some()), "fitted ones first");
@@ -203,7 +203,8 @@ fn refining_never_makes_worse() {
     let search = synthetic.search();
     let base = synthetic.retuned();
     let linear = search.fitter().linearise(&base.chain, &base.fit.theta).unwrap();
-    let entry = |best: Option<Candidate>| Looked { family: 0, screening: 0.5, best, why: None };
+    let entry =
+        |best: Option<Candidate>| RankedFamily { family: 0, screening: 0.5, best, why: None };
     // A weight that is off is put right.
     let mut off = fitted.clone();
     off.fit.theta[1] = 3.0;
@@ -240,7 +241,7 @@ fn a_family_must_leave_a_tenth_less_than_what_it_becomes_without_its_effect() {
         // Of what it leaves more is on the rows that are held out.
         best.fit.mean_square = 0.6 * own;
         best.judged.held_out = 1.4 * own;
-        let mut entry = Looked { family: 0, screening: 0.5, best: Some(best), why: None };
+        let mut entry = RankedFamily { family: 0, screening: 0.5, best: Some(best), why: None };
         search.hold_against_nulls(&base, &[], &mut entry, &linear, as_gain);
         // Nothing goes unseen.
         assert_eq!(entry.why, entry.best.is_none().then_some(Why::AsNull));
@@ -340,7 +341,7 @@ fn a_gap_is_what_is_over_the_limit_on_fitted_or_held_out_rows() {
 fn families_stand_by_rank_and_those_that_were_not_fitted_by_promise() {
     let synthetic = Synthetic::new(&[], &[]);
     let fitted = synthetic.retuned();
-    let entry = |family, screening, rank: Option<f64>| Looked {
+    let entry = |family, screening, rank: Option<f64>| RankedFamily {
         family,
         screening,
         best: rank.map(|rank| Candidate { rank, ..fitted.clone() }),
@@ -363,13 +364,13 @@ fn families_stand_by_rank_and_those_that_were_not_fitted_by_promise() {
 fn a_change_reaches_every_candidate_that_was_fitted() {
     let synthetic = Synthetic::new(&[], &[]);
     let fitted = synthetic.retuned();
-    let entry = |rank: f64| Looked {
+    let entry = |rank: f64| RankedFamily {
         family: 0,
         screening: 0.0,
         best: Some(Candidate { rank, ..fitted.clone() }),
         why: None,
     };
-    let none = || Looked { family: 0, screening: 0.0, best: None, why: None };
+    let none = || RankedFamily { family: 0, screening: 0.0, best: None, why: None };
     let mut found = Found {
         base: Candidate { rank: 0.0, ..fitted.clone() },
         last: Candidate { rank: 1.0, ..fitted.clone() },

@@ -1,6 +1,6 @@
 //! The rows of a least squares whose offset is eliminated.
 
-use crate::methods::{Method, Scene};
+use crate::methods::{FitContext, Method};
 
 /// The rows of one record, the offset eliminated by taking the weighted mean from both sides.
 pub(super) struct Centred {
@@ -17,7 +17,7 @@ pub(super) struct Centred {
 impl Centred {
     pub(super) fn new(
         method: &dyn Method,
-        (scene, shape): (&Scene, &[f64]),
+        (scene, shape): (&FitContext, &[f64]),
         columns: Vec<Vec<f64>>,
         output: &[f64],
     ) -> Self {

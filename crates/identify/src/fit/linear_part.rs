@@ -12,7 +12,7 @@ use core::f64::consts::TAU;
 use numerics::levenberg_marquardt::{PATIENT, minimise};
 
 use crate::error::Error;
-use crate::methods::Scene;
+use crate::methods::FitContext;
 
 use super::coordinates::{Coordinates, Structure, visible};
 use super::operator::{Fit, Operator};
@@ -80,7 +80,7 @@ fn scan(
 ) -> Result<LinearPart, Error> {
     let stride = operator.scene.thresholds.len().div_ceil(SCAN_PLAYS).max(1);
     let thresholds = operator.scene.thresholds.iter().copied().step_by(stride).collect();
-    let scene = Scene { thresholds, ..operator.scene.clone() };
+    let scene = FitContext { thresholds, ..operator.scene.clone() };
     let coarse = Operator { scene: &scene, substeps: 1, ..*operator };
     let (lowest, highest) = visible(operator.records, operator.rows);
     let count = ((highest / lowest).log10() * SCAN_DENSITY).ceil().max(2.0) as usize;

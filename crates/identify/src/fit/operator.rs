@@ -13,7 +13,7 @@ use numerics::least_squares::{Partner, Reduced};
 use numerics::levenberg_marquardt::{self, Ending, Minimum, Unknown};
 
 use crate::error::Error;
-use crate::methods::{Method, Scene, Shape};
+use crate::methods::{FitContext, Method, Shape};
 use crate::observer::Observer;
 use crate::record::{Record, Rows};
 
@@ -32,7 +32,7 @@ const STARTS: usize = 2;
 #[derive(Clone, Copy)]
 pub(crate) struct Operator<'a> {
     pub(crate) method: &'static dyn Method,
-    pub(crate) scene: &'a Scene,
+    pub(crate) scene: &'a FitContext,
     pub(crate) records: &'a [Record],
     pub(crate) rows: &'a [Rows],
     pub(crate) period: f64,
@@ -400,7 +400,7 @@ mod tests {
         let (name, input_name, output_name) = ("a", "u", "y");
         let all = Columns { name, time: &time, input_name, input, output_name, output: input };
         let records = [Record::new(all).expect("a record")];
-        let scene = Scene {
+        let scene = FitContext {
             command: [0.0, 1.0],
             position: [0.0, 1.0],
             zero: 0.0,

@@ -17,13 +17,13 @@ use crate::identification::Verdict;
 use crate::learned::family::Family;
 use crate::learned::network;
 use crate::learned::plant::Learned;
-use crate::learned::plant::Lesson;
+use crate::learned::plant::TrainingSet;
 use crate::methods::CURVED;
 use crate::methods::Chain;
 use crate::methods::Method;
 use crate::methods::NETWORK;
 use crate::methods::STATIC;
-use crate::methods::Way;
+use crate::methods::Strategy;
 use crate::plant::Plant;
 use crate::settings::Dynamics;
 use std::time::Instant;
@@ -52,9 +52,9 @@ impl Session<'_> {
             }
             let started = Instant::now();
             let tried = match method {
-                Way::Operator(method) => self.method(method, known),
-                Way::Learned(family) => self.learned(family, known),
-                Way::Network => self.network(known),
+                Strategy::Operator(method) => self.method(method, known),
+                Strategy::Learned(family) => self.learned(family, known),
+                Strategy::Network => self.network(known),
             };
             let mut tried = match tried.and_then(|tried| self.moved(tried)) {
                 Ok(tried) => tried,
@@ -74,8 +74,8 @@ impl Session<'_> {
             tried.seconds = started.elapsed().as_secs_f64();
             let fall = 1.0 - tried.held_out_rmse / best.held_out_rmse;
             let open = match method {
-                Way::Operator(method) => self.open_shape(&tried, method),
-                Way::Learned(_) | Way::Network => Vec::new(),
+                Strategy::Operator(method) => self.open_shape(&tried, method),
+                Strategy::Learned(_) | Strategy::Network => Vec::new(),
             };
             let mut reason = format!(
                 "held-out error {:+.1} % against {} ({:.0} % less is needed)",
@@ -156,7 +156,7 @@ impl Session<'_> {
             let mut before = before_hysteresis(&linear, period)?;
             let substeps = record.periods(period);
             let input = &record.input()[..rows.end.min(record.len())];
-            lessons.push(network::Lesson {
+            lessons.push(network::TrainingRecord {
                 signal: through(&mut before, record.rest(), input, substeps),
                 substeps,
                 first: rows.first,
@@ -184,7 +184,7 @@ impl Session<'_> {
             );
             return Err(Error::Learned { message });
         }
-        let lesson = Lesson {
+        let lesson = TrainingSet {
             family,
             records: self.records,
             fitted: &self.plan.fitted,

@@ -16,7 +16,7 @@
 //! applications, Inverse Problems 19 (2003); H. Ang, F. Garmón, P. Khosla, C. Riviere, Modeling rate-dependent
 //! hysteresis in piezoelectric actuators, IROS 2003.
 
-use learned::features::{Features, Stops};
+use learned::features::{Features, StopOperators};
 use nalgebra::{DMatrix, DVector};
 use numerics::least_squares::NoSolution;
 use numerics::levenberg_marquardt::{Ending, Unknown, minimise};
@@ -24,7 +24,9 @@ use numerics::levenberg_marquardt::{Ending, Unknown, minimise};
 use super::projection::taken;
 use super::series::{before, rows};
 use super::spline::Knots;
-use super::{Arx, Frame, Machine, Run, SEED, Series, Span, Waves, Weighed, Widths, weigh_samples};
+use super::{
+    Arx, EvidenceWeighted, Frame, Machine, Run, SEED, Series, Span, Waves, Widths, weigh_samples,
+};
 
 /// Intervals of the spline.
 const INTERVALS: usize = 48;
@@ -69,10 +71,10 @@ impl Cascade {
 /// Fits the stops of the frame, a curve and a linear part to runs of period `period` s, from a lag of `bandwidth` Hz;
 /// `None` where the frame has no stops or the search finds nothing.
 pub(super) fn fit(frame: &Frame, runs: &[Run<'_>], bandwidth: f64, period: f64) -> Option<Cascade> {
-    let Features::Stops(stops) = &frame.features else { return None };
+    let Features::StopOperators(stops) = &frame.features else { return None };
     let records: Vec<Record> = runs.iter().map(|run| Record::new(frame, stops, run)).collect();
     let count: usize = records.iter().map(|record| record.target.len() - record.first).sum();
-    let scene = Scene {
+    let scene = FitContext {
         knots: Knots::about(
             records.iter().flat_map(|record| record.command.iter().copied()),
             INTERVALS,
@@ -109,7 +111,7 @@ pub(super) fn fit(frame: &Frame, runs: &[Run<'_>], bandwidth: f64, period: f64) 
     let mut projection = vec![0.0; stops.count];
     taken(stops.count).into_iter().zip(p).for_each(|(k, p)| projection[k] = *p);
     let mut frame = frame.clone();
-    frame.features = Features::Stops(Stops { projection, ..stops.clone() });
+    frame.features = Features::StopOperators(StopOperators { projection, ..stops.clone() });
     linear.is_stable().then_some(Cascade { frame, linear, knots: scene.knots, curve })
 }
 
@@ -128,7 +130,7 @@ impl Series {
         runs: &[Run<'_>],
         (bandwidth, period): (f64, f64),
         most: usize,
-    ) -> Result<Option<(Self, Weighed)>, learned::Error> {
+    ) -> Result<Option<(Self, EvidenceWeighted)>, learned::Error> {
         let Some(found) = fit(frame, runs, bandwidth, period) else { return Ok(None) };
         let waves = waves(runs);
         let answers: Vec<Vec<f64>> = waves.iter().map(|u| found.simulate(u)).collect();
@@ -185,9 +187,10 @@ struct Record {
 }
 
 impl Record {
-    fn new(frame: &Frame, stops: &Stops, run: &Run<'_>) -> Self {
+    fn new(frame: &Frame, stops: &StopOperators, run: &Run<'_>) -> Self {
         let bare = stops.bare();
-        let (inputs, target) = frame.bare(&Features::Stops(bare), &[(run.command, run.position)]);
+        let (inputs, target) =
+            frame.bare(&Features::StopOperators(bare), &[(run.command, run.position)]);
         let d = inputs.len() / target.len().max(1);
         let taken = taken(stops.count);
         let rows = || inputs.chunks_exact(d.max(1));
@@ -200,7 +203,7 @@ impl Record {
     }
 }
 
-struct Scene {
+struct FitContext {
     records: Vec<Record>,
     knots: Knots,
     every: usize,
@@ -208,7 +211,7 @@ struct Scene {
     stops: usize,
 }
 
-impl Scene {
+impl FitContext {
     /// Weights of the stops, then ln f, δ/T, and c and ln τ of each element of creep.
     fn start(&self, bandwidth: f64) -> Vec<Unknown> {
         let unknown = |start, lower, upper| Unknown { start, lower, upper };
@@ -342,8 +345,8 @@ mod tests {
     }
 
     fn frame(pairs: &[(&[f64], &[f64])]) -> Frame {
-        let stops = Stops::new(15, 8.0, PERIOD);
-        Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, pairs)
+        let stops = StopOperators::new(15, 8.0, PERIOD);
+        Frame::new(Features::StopOperators(stops), Span::UNIT, Span::UNIT, Recipe::Plain, pairs)
             .on_a_line(pairs)
     }
 

@@ -19,7 +19,7 @@ use super::Frame;
 
 /// What the evidence chose.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Weighed {
+pub struct EvidenceWeighted {
     /// The frame with these widths.
     pub frame: Frame,
     /// γ, and σ² = 1 for the widths of the frame.
@@ -46,7 +46,7 @@ pub fn weigh(
     (start, gamma): (&[f64], f64),
     (evaluations, most): (usize, usize),
     greatest: f64,
-) -> Result<Weighed, learned::Error> {
+) -> Result<EvidenceWeighted, learned::Error> {
     let samples = frame.samples(records)?;
     Ok(weigh_samples(frame, &samples, group, (start, gamma), (evaluations, most), greatest))
 }
@@ -64,7 +64,7 @@ pub fn weigh_samples(
     (start, gamma): (&[f64], f64),
     (evaluations, most): (usize, usize),
     greatest: f64,
-) -> Weighed {
+) -> EvidenceWeighted {
     let few = samples.subset(&samples.rows_at_most(most.max(2)));
     // ln of the factors within 1000, of γ within 10⁶.
     let middle: Vec<f64> = start.iter().chain([&gamma]).map(|x| x.ln()).collect();
@@ -93,7 +93,7 @@ pub fn weigh_samples(
     let chosen = frame.stretched(group, &factors);
     let gamma = best.point.last().map_or(gamma, |x| x.exp());
     let settings = Settings { gamma, sigma2: 1.0 };
-    Weighed { frame: chosen, settings, factors, evaluations: best.evaluations }
+    EvidenceWeighted { frame: chosen, settings, factors, evaluations: best.evaluations }
 }
 
 /// The evidence at ln of the factors and of γ, up to a constant.
@@ -119,7 +119,7 @@ fn evidence(samples: &Samples, group: &dyn Fn(usize) -> usize, p: &[f64]) -> Opt
 #[cfg(test)]
 mod tests {
     use components::hysteresis::play::Plays;
-    use learned::features::{Features, Stops};
+    use learned::features::{Features, StopOperators};
 
     use super::super::{Machine, Recipe, Span};
     use super::*;
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn what_is_linear_gets_a_wide_kernel_and_holds_beyond_the_record() {
         // Plays behind a curved gain; the test reverses where no record of the training did.
-        let features = Stops::new(8, 9.0, 1e-2);
+        let features = StopOperators::new(8, 9.0, 1e-2);
         let truth = |u: &[f64]| -> Vec<f64> {
             let (plays, mut state) = (Plays { r: &[1.0, 2.0, 3.0], w: &[0.1; 3] }, [0.0; 3]);
             u.iter().map(|u| u + 0.02 * u * u + plays.step(*u, &mut state)).collect()
@@ -138,8 +138,13 @@ mod tests {
         let (a, b, test) = (wave(5.0), wave(8.0), wave(6.5));
         let (ya, yb) = (truth(&a), truth(&b));
         let records = [(&a[..], &ya[..]), (&b[..], &yb[..])];
-        let frame =
-            Frame::new(Features::Stops(features), Span::UNIT, Span::UNIT, Recipe::Plain, &records);
+        let frame = Frame::new(
+            Features::StopOperators(features),
+            Span::UNIT,
+            Span::UNIT,
+            Recipe::Plain,
+            &records,
+        );
         let group = |k: usize| usize::from(k >= 8);
         let found =
             weigh(&frame, &records, &group, (&[3.0, 1.0], 1e4), (80, 480), f64::INFINITY).unwrap();

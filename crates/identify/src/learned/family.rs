@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
     /// An LS-SVM over stop operators and the command.
-    Stops,
+    StopOperators,
     /// An LS-SVM over past commands and its own past outputs.
     Narx,
     /// An LS-SVM for the hysteresis term beside a straight line, over commands, positions and its own past.
@@ -15,12 +15,12 @@ pub(crate) enum Family {
 
 impl Family {
     /// All families.
-    pub(crate) const ALL: [Self; 4] = [Self::Stops, Self::Narx, Self::Term, Self::Process];
+    pub(crate) const ALL: [Self; 4] = [Self::StopOperators, Self::Narx, Self::Term, Self::Process];
 
     /// The family's name on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Stops => "lssvm-stops",
+            Self::StopOperators => "lssvm-stops",
             Self::Narx => "lssvm-narx",
             Self::Term => "lssvm-term",
             Self::Process => "gp",
@@ -30,7 +30,9 @@ impl Family {
     /// One sentence.
     pub(crate) fn summary(self) -> &'static str {
         match self {
-            Self::Stops => "LS-SVM over stop operators, and a linear part: learned, of any shape",
+            Self::StopOperators => {
+                "LS-SVM over stop operators, and a linear part: learned, of any shape"
+            }
             Self::Narx => {
                 "LS-SVM over past commands and its own past outputs, and a linear part: learned"
             }
@@ -44,7 +46,7 @@ impl Family {
     /// What an observer is shown while it is learned.
     pub(super) fn stage(self) -> &'static str {
         match self {
-            Self::Stops => "LS-SVM over stop operators",
+            Self::StopOperators => "LS-SVM over stop operators",
             Self::Narx => "LS-SVM over past outputs",
             Self::Term => "LS-SVM for a hysteresis term",
             Self::Process => "Gaussian process",

@@ -4,10 +4,10 @@
 //! the range of commands ([`Waves`]) and to two slow ones over all of it. It is judged on waves that no
 //! sample is taken from: the position that its command leads to, beside the one that was asked for.
 
-use learned::features::{Features, Stops};
+use learned::features::{Features, StopOperators};
 use serde::Serialize;
 
-use super::{Frame, Machine, Recipe, Rehearsal, SEED, Span, Waves, rms_difference, weigh};
+use super::{Frame, Machine, Recipe, SEED, Span, SyntheticData, Waves, rms_difference, weigh};
 use crate::error::Error;
 use crate::observer::Observer;
 
@@ -78,7 +78,7 @@ pub fn learn(
         if observer.stopped() { Err(Error::Stopped) } else { Ok(()) }
     };
     stage(0)?;
-    let Features::Stops(own) = &forward.frame.features else {
+    let Features::StopOperators(own) = &forward.frame.features else {
         let message = "only a model over stop operators is inverted".to_owned();
         return Err(Error::Learned { message });
     };
@@ -94,14 +94,14 @@ pub fn learn(
     let period = 1.0 / (BAND[1] * shortest);
     let waves = Waves { count: WAVES.0, rows, period, band: BAND, range, seed: SEED };
     let slow = slow(range, rows);
-    let rehearsal = Rehearsal::new(&[&slow], Some(waves), answer)?;
-    let pairs = rehearsal.pairs();
+    let synthetic = SyntheticData::new(&[&slow], Some(waves), answer)?;
+    let pairs = synthetic.pairs();
     let heights: Vec<f64> = pairs.iter().flat_map(|(h, _)| *h).copied().collect();
-    let stops =
-        Stops::new(own.count.max(STOPS), 1.0, purpose.period).rated(own.rate_scale.max(1e12));
+    let stops = StopOperators::new(own.count.max(STOPS), 1.0, purpose.period)
+        .rated(own.rate_scale.max(1e12));
     let count = stops.count;
     let group = |input: usize| usize::from(input >= count);
-    let features = Features::Stops(stops);
+    let features = Features::StopOperators(stops);
     let (position, full) = (Span::of(&heights), Span { low: range[0], high: range[1] });
     let frame = Frame::new(features, position, full, Recipe::Plain, &pairs).on_a_line(&pairs);
     let found =
@@ -109,7 +109,7 @@ pub fn learn(
     stage(1)?;
     let every = |rows: usize, most: usize| rows.div_ceil(most).max(1);
     let steps = (every(slow.len(), SAMPLES.1), every(waves.count * rows, SAMPLES.0));
-    let samples = rehearsal.samples(&found.frame, steps.0, steps.1).map_err(fail)?;
+    let samples = synthetic.samples(&found.frame, steps.0, steps.1).map_err(fail)?;
     let (trained, _) = Machine::train_on(found.frame, &samples, found.settings).map_err(fail)?;
     stage(2)?;
     let few = &pairs[..pairs.len().min(1 + WAVES.1)];

@@ -218,7 +218,7 @@ impl Machine {
         let d = widths.len();
         let mut rows = vec![self.machine.bias];
         rows.extend(widths.iter().map(|width| width * sigma));
-        if let Features::Stops(stops) = &self.frame.features
+        if let Features::StopOperators(stops) = &self.frame.features
             && stops.is_projected()
         {
             rows.push(0.0);
@@ -245,7 +245,7 @@ impl Machine {
             return Err(format!("the table has {columns} columns, and {d} inputs need {}", d + 1));
         };
         frame.widths = widths.to_vec();
-        if let Features::Stops(stops) = &mut frame.features
+        if let Features::StopOperators(stops) = &mut frame.features
             && stops.is_projected()
         {
             let row = rows.next().ok_or("the table has no row with the weights of the stops")?;
@@ -269,7 +269,7 @@ impl Machine {
             component.value("table", Value::Text(table.to_owned())).value("sample_time", period)
         };
         let component = match &self.frame.features {
-            Features::Stops(stops) => named("lssvm-stops", "lssvm-stops-inverse")
+            Features::StopOperators(stops) => named("lssvm-stops", "lssvm-stops-inverse")
                 .value("stops", stops.count as f64)
                 .value("range", stops.range)
                 .value("rate_scale", stops.rate_scale)
@@ -383,13 +383,13 @@ mod tests {
 
     #[test]
     fn a_machine_on_a_line_leads_on_where_nothing_was_shown() {
-        use learned::features::Stops;
+        use learned::features::StopOperators;
         let truth = |u: f64| 1.0 + 2.0 * u + 0.1 * (3.0 * u).sin();
         let u: Vec<f64> = (0..300).map(|k| 1.0 - (0.05 * f64::from(k)).cos()).collect();
         let y: Vec<f64> = u.iter().map(|u| truth(*u)).collect();
         let records = [(&u[..], &y[..])];
-        let stops = Stops::new(4, 2.0, 1e-2);
-        let features = Features::Stops(stops);
+        let stops = StopOperators::new(4, 2.0, 1e-2);
+        let features = Features::StopOperators(stops);
         let plain = Frame::new(features, Span::of(&u), Span::of(&y), Recipe::Plain, &records);
         let line = plain.clone().on_a_line(&records);
         assert!(plain.slope == 0.0 && (line.slope - 1.0).abs() < 0.1, "{}", line.slope);
@@ -410,21 +410,27 @@ mod tests {
 
     #[test]
     fn a_projection_comes_back_from_the_table() {
-        use learned::features::Stops;
+        use learned::features::StopOperators;
         let u: Vec<f64> = (0..200).map(|k| 1.0 - (0.07 * f64::from(k)).cos()).collect();
         let y: Vec<f64> = u.iter().map(|u| 3.0 * u + u * u).collect();
         let projection = vec![0.1, 0.0, -0.2];
-        let stops = Stops { projection, ..Stops::new(3, 2.0, 1e-2) };
-        let with = |stops: Stops| {
+        let stops = StopOperators { projection, ..StopOperators::new(3, 2.0, 1e-2) };
+        let with = |stops: StopOperators| {
             let records = [(&u[..], &y[..])];
-            Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &records)
+            Frame::new(
+                Features::StopOperators(stops),
+                Span::UNIT,
+                Span::UNIT,
+                Recipe::Plain,
+                &records,
+            )
         };
         let settings = Settings { gamma: 1e4, sigma2: 2.0 };
         let (machine, _) =
             Machine::train(with(stops.clone()), &[(&u, &y)], settings).expect("a machine");
         let table = machine.table().expect("a table");
         assert_eq!(table.rows(), machine.machine.weights.len() + 2);
-        let blank = with(Stops { projection: vec![0.0; 3], ..stops });
+        let blank = with(StopOperators { projection: vec![0.0; 3], ..stops });
         let again = Machine::of_table(blank, &table).expect("the same machine");
         assert_eq!(again.frame.features, machine.frame.features);
         let apart = rms_difference(&again.simulate(&u, y[0]), &machine.simulate(&u, y[0]));

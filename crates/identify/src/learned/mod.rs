@@ -14,21 +14,21 @@ pub(crate) mod network;
 pub(crate) mod plant;
 mod process;
 mod projection;
-mod rehearsal;
 mod selection;
 mod series;
 mod spline;
+mod synthetic_data;
 mod weighed;
 
 pub use arx::Arx;
-pub use evidence::{GREATEST_GAMMA, Weighed, weigh, weigh_samples};
+pub use evidence::{EvidenceWeighted, GREATEST_GAMMA, weigh, weigh_samples};
 pub use inverse::InverseFigures;
 pub use machine::{Frame, Machine, Recipe, Span};
 pub use plant::learned_inverse;
 pub use process::{Search, by_likelihood};
-pub use rehearsal::{Rehearsal, SEED, Waves};
 pub use selection::{BOUNDS, Records, Seek, Selected, Selection, held_out, select, sought};
 pub use series::{Run, Series, Teaches, Turns};
+pub use synthetic_data::{SEED, SyntheticData, Waves};
 pub use weighed::Widths;
 
 /// Commands with the positions that they lead to: the position of row k + 1 belongs to the command

@@ -46,7 +46,7 @@ const ROWS: usize = 20_000;
 const SEED: f64 = 325.0;
 
 /// One record: the signal that the hysteresis sees at each internal step, from rest on, and the positions to meet.
-pub(crate) struct Lesson {
+pub(crate) struct TrainingRecord {
     pub(crate) signal: Vec<f64>,
     /// Internal steps per row.
     pub(crate) substeps: usize,
@@ -55,7 +55,7 @@ pub(crate) struct Lesson {
     pub(crate) position: Vec<f64>,
 }
 
-impl Lesson {
+impl TrainingRecord {
     /// Internal step and position of every row of `every` that is met.
     fn rows(&self, every: usize) -> impl Iterator<Item = (usize, f64)> {
         let step = |k: usize| (self.first + k) * self.substeps;
@@ -173,7 +173,7 @@ impl Plays {
     /// What the network sees at each row, and what the plays leave over half the position's range, without its mean.
     fn seen(
         &self,
-        lessons: &[Lesson],
+        lessons: &[TrainingRecord],
         step: f64,
         every: usize,
     ) -> Result<(Vec<[f64; INPUTS]>, Vec<f64>), Error> {
@@ -195,7 +195,7 @@ impl Plays {
     /// The network over these plays, unit after unit.
     fn network(
         &self,
-        lessons: &[Lesson],
+        lessons: &[TrainingRecord],
         step: f64,
         every: usize,
         observer: &mut dyn Observer,
@@ -215,7 +215,7 @@ impl Plays {
     }
 
     /// Root mean square error on these rows, over half the range.
-    fn error(&self, network: &[f64], lessons: &[Lesson], step: f64) -> Result<f64, Error> {
+    fn error(&self, network: &[f64], lessons: &[TrainingRecord], step: f64) -> Result<f64, Error> {
         let (mut sum, mut count) = (0.0, 0);
         for lesson in lessons {
             let seen = self.simulated(network, &lesson.signal, step)?;
@@ -237,18 +237,21 @@ impl Plays {
     /// [`Error::Model`] where the component refuses the plays; [`Error::Stopped`].
     pub(crate) fn learn(
         &self,
-        lessons: &[Lesson],
+        lessons: &[TrainingRecord],
         step: f64,
         bounds: &[(f64, f64)],
         observer: &mut dyn Observer,
     ) -> Result<(ComponentBlueprint, String), Error> {
         let rows: usize = lessons.iter().map(|lesson| lesson.position.len()).sum();
         let every = rows.div_ceil(ROWS).max(1);
-        let joint =
-            |lessons: &[Lesson], price: f64, network: &[f64], observer: &mut dyn Observer| {
-                Joint { plays: self, lessons, step, bounds, price, every }.fit(network, observer)
-            };
-        let (begun, rest): (Vec<Lesson>, Vec<Lesson>) = lessons.iter().map(Lesson::parted).unzip();
+        let joint = |lessons: &[TrainingRecord],
+                     price: f64,
+                     network: &[f64],
+                     observer: &mut dyn Observer| {
+            Joint { plays: self, lessons, step, bounds, price, every }.fit(network, observer)
+        };
+        let (begun, rest): (Vec<TrainingRecord>, Vec<TrainingRecord>) =
+            lessons.iter().map(TrainingRecord::parted).unzip();
         let network = self.network(&begun, step, every, observer)?;
         let apart = self.error(&network, &rest, step)?;
         let mut best = (f64::INFINITY, 0.0);

@@ -35,7 +35,7 @@ const PREDICTED: usize = 200;
 const ORDERS: [(usize, usize); 2] = [(2, 2), (3, 3)];
 
 /// What is learned from.
-pub(crate) struct Lesson<'a> {
+pub(crate) struct TrainingSet<'a> {
     pub(crate) family: Family,
     pub(crate) records: &'a [Record],
     pub(crate) fitted: &'a [Rows],
@@ -66,7 +66,7 @@ pub(crate) struct Learned {
 }
 
 /// What a family sees of the records.
-struct Scene<'a> {
+struct FitContext<'a> {
     runs: &'a [Run<'a>],
     /// Ranges of all of them.
     command: Span,
@@ -88,7 +88,7 @@ fn failed(error: learned::Error) -> Error {
     Error::Learned { message: error.to_string() }
 }
 
-impl<'a> Scene<'a> {
+impl<'a> FitContext<'a> {
     fn pairs(&self) -> Vec<(&'a [f64], &'a [f64])> {
         self.runs.iter().map(|run| (run.command, run.position)).collect()
     }
@@ -137,7 +137,7 @@ pub fn learned_inverse(
     let start = command.first().copied().unwrap_or(0.0);
     // What is asked for is the position, what is answered the command.
     let run = Run { command: position, position: command, start, first: 0, teaches: Teaches::Both };
-    let scene = Scene {
+    let scene = FitContext {
         runs: &[run],
         command: Span::of(position),
         position: Span::of(command),
@@ -155,7 +155,7 @@ fn none() -> Arx {
     Arx { b: vec![1.0], a: Vec::new() }
 }
 
-impl Lesson<'_> {
+impl TrainingSet<'_> {
     /// Learns the plant, whose table is that of the file `name`.
     ///
     /// # Errors
@@ -177,11 +177,11 @@ impl Lesson<'_> {
             delays.iter().map(|delay| self.commands(*delay)).collect();
         let all_runs: Vec<Vec<Run<'_>>> =
             commands.iter().map(|commands| self.runs(commands, &positions)).collect();
-        let scenes: Vec<Scene<'_>> = delays
+        let scenes: Vec<FitContext<'_>> = delays
             .iter()
             .zip(&all_runs)
             .zip(&commands)
-            .map(|((delay, runs), commands)| Scene {
+            .map(|((delay, runs), commands)| FitContext {
                 runs,
                 command: Span::of(&commands.concat()),
                 position: Span::of(&positions.concat()),
@@ -201,7 +201,7 @@ impl Lesson<'_> {
         }
         let (mut predicted, mut process) = (None, None);
         let (number, series, settings) = match self.family {
-            Family::Stops => {
+            Family::StopOperators => {
                 let (number, series, settings) = stops::learn(&scenes, &mut stage)?;
                 (number, series, Some(settings))
             }
@@ -299,17 +299,17 @@ impl Lesson<'_> {
         let name = self.family.name();
         let refused = |what: &str| Err(Error::Learned { message: format!("{name} {what}") });
         match (self.family, self.learning.features) {
-            (Family::Stops | Family::Narx | Family::Term, FeatureChoice::Inputs(_)) => {
+            (Family::StopOperators | Family::Narx | Family::Term, FeatureChoice::Inputs(_)) => {
                 refused("takes no number of inputs; 2, 6, 9 and 12 belong to gp")
             }
             (Family::Narx | Family::Process | Family::Term, FeatureChoice::Rate) => {
                 refused("takes no rate beside its inputs; the rate belongs to lssvm-stops")
             }
             (
-                Family::Stops | Family::Narx | Family::Process,
+                Family::StopOperators | Family::Narx | Family::Process,
                 FeatureChoice::Command | FeatureChoice::Position | FeatureChoice::Both,
             ) => refused("has its own inputs; command, position and both belong to lssvm-term"),
-            (Family::Stops | Family::Narx | Family::Term, _) if self.learning.deviation => {
+            (Family::StopOperators | Family::Narx | Family::Term, _) if self.learning.deviation => {
                 refused("predicts no standard deviation; --deviation belongs to gp")
             }
             (Family::Process, _) if self.learning.prune.is_some() => {
@@ -325,7 +325,7 @@ impl Lesson<'_> {
     /// Whole periods of delay that may stand in front of the hysteresis. What is none or little is rather a lag.
     fn delays(&self) -> Vec<usize> {
         let found = (self.known.delay / self.period + 1e-6) as usize;
-        let is_open = self.family == Family::Stops && self.dynamic && found > 0;
+        let is_open = self.family == Family::StopOperators && self.dynamic && found > 0;
         is_open.then_some(0).into_iter().chain([found]).collect()
     }
 

@@ -20,7 +20,7 @@ use super::spline::Knots;
 
 /// Intervals of the spline.
 const INTERVALS: usize = 24;
-/// Stops that take part: as many, evenly over the range.
+/// Stop operators that take part: as many, evenly over the range.
 const STOPS: usize = 16;
 /// Steps of Gauss-Newton, and halvings of each.
 const STEPS: (usize, i32) = (30, 6);
@@ -39,7 +39,7 @@ impl Frame {
     #[must_use]
     pub fn projected(&self, records: &[(&[f64], &[f64])], rows: &[usize]) -> Self {
         let mut projected = self.clone();
-        if let Features::Stops(stops) = &mut projected.features {
+        if let Features::StopOperators(stops) = &mut projected.features {
             stops.projection = project(self, records, rows).unwrap_or_default();
         }
         projected
@@ -49,13 +49,13 @@ impl Frame {
 /// The weights of all stops of the frame that follow these rows of the records best, in the frame's scaled inputs;
 /// `None` where a curve and stops side by side do as well.
 fn project(frame: &Frame, records: &[(&[f64], &[f64])], rows: &[usize]) -> Option<Vec<f64>> {
-    let Features::Stops(stops) = &frame.features else { return None };
+    let Features::StopOperators(stops) = &frame.features else { return None };
     let taken = taken(stops.count);
     let bare = stops.bare();
-    let (inputs, targets) = frame.bare(&Features::Stops(bare), records);
+    let (inputs, targets) = frame.bare(&Features::StopOperators(bare), records);
     let every = rows.len().div_ceil(MOST).max(1);
     let rows: Vec<usize> = rows.iter().copied().step_by(every).collect();
-    let scene = Scene::new((&inputs, &targets), &rows, &taken);
+    let scene = Samples::new((&inputs, &targets), &rows, &taken);
     let found = scene.projected().filter(|found| found.left < BETTER * scene.beside())?;
     let mut all = vec![0.0; stops.count];
     taken.iter().zip(found.p).for_each(|(k, p)| all[*k] = p);
@@ -71,7 +71,7 @@ pub(super) fn taken(count: usize) -> Vec<usize> {
 }
 
 /// Samples: command, the stops that take part, target.
-struct Scene {
+struct Samples {
     command: Vec<f64>,
     stops: Vec<Vec<f64>>,
     target: Vec<f64>,
@@ -85,7 +85,7 @@ struct Found {
     left: f64,
 }
 
-impl Scene {
+impl Samples {
     fn new((inputs, targets): (&[f64], &[f64]), rows: &[usize], taken: &[usize]) -> Self {
         let d = inputs.len() / targets.len().max(1);
         let of = |row: &usize| &inputs[row * d..(row + 1) * d];
@@ -196,7 +196,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use components::hysteresis::play::Plays;
-    use learned::features::Stops;
+    use learned::features::StopOperators;
 
     use super::super::{Recipe, Span};
     use super::*;
@@ -222,8 +222,8 @@ mod tests {
     }
 
     fn frame(records: &[(&[f64], &[f64])]) -> Frame {
-        let stops = Stops::new(15, 8.0, 1e-2);
-        Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, records)
+        let stops = StopOperators::new(15, 8.0, 1e-2);
+        Frame::new(Features::StopOperators(stops), Span::UNIT, Span::UNIT, Recipe::Plain, records)
     }
 
     #[test]
@@ -238,7 +238,7 @@ mod tests {
             assert_eq!(found.is_some(), behind, "{found:?}");
             let Some(p) = found else { continue };
             // u + Σ p z is the loops' sum up to a scale: z = u − play, so that the weights of the plays over
-            // 1 + their sum, −0.1/1.3, stand at their thresholds (numbers 0, 1 and 3 of 15 up to 8). Stops that
+            // 1 + their sum, −0.1/1.3, stand at their thresholds (numbers 0, 1 and 3 of 15 up to 8). Stop operators that
             // seldom reach their threshold are the command itself.
             for (at, p) in p.iter().enumerate().take(8) {
                 let expected = if [0, 1, 3].contains(&at) { -0.1 / 1.3 } else { 0.0 };

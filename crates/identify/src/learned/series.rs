@@ -196,7 +196,7 @@ pub(super) fn before(linear: &Arx, run: &Run<'_>, h: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use components::hysteresis::play::Plays;
-    use learned::features::{Features, Stops};
+    use learned::features::{Features, StopOperators};
 
     use super::super::{Recipe, Span};
     use super::*;
@@ -218,10 +218,15 @@ mod tests {
             Run { command: &slow, position: &y_slow, start: 0.0, first: 0, teaches: Teaches::Both },
             Run { command: &fast, position: &y_fast, start: 0.0, first: 0, teaches: Teaches::Both },
         ];
-        let stops = Stops::new(8, 6.0, 1e-2);
+        let stops = StopOperators::new(8, 6.0, 1e-2);
         let pairs = runs.map(|run| (run.command, run.position));
-        let mut frame =
-            Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);
+        let mut frame = Frame::new(
+            Features::StopOperators(stops),
+            Span::UNIT,
+            Span::UNIT,
+            Recipe::Plain,
+            &pairs,
+        );
         frame.widths[..8].fill(20.0);
         let settings = Settings { gamma: 1e6, sigma2: 1.0 };
         let first = Arx { b: vec![1.0], a: vec![] };

@@ -6,7 +6,7 @@
 //! of one input, and the widths are chosen by the evidence of what the linear part leaves.
 
 use super::series::rows;
-use super::{Frame, Run, Series, Turns, Weighed, weigh_samples};
+use super::{EvidenceWeighted, Frame, Run, Series, Turns, weigh_samples};
 use learned::lssvm::Settings;
 
 /// Turns with the stiff machine, and with each choice of widths.
@@ -39,7 +39,7 @@ impl Series {
         runs: &[Run<'_>],
         (first, orders): (&super::Arx, &[(usize, usize)]),
         most: usize,
-    ) -> Result<(Self, Weighed), learned::Error> {
+    ) -> Result<(Self, EvidenceWeighted), learned::Error> {
         let fitted = rows(runs, usize::MAX);
         let weigh = |targets: &[Vec<f64>], start: (&[f64], f64)| {
             let pairs: Vec<(&[f64], &[f64])> =
@@ -60,7 +60,8 @@ impl Series {
         let stiff = frame.stretched(widths.group, factors);
         let turns = |rounds| Turns { rounds, most };
         let mut series = Self::train(&stiff, settings, runs, (first, orders), turns(STIFF))?;
-        let mut at = Weighed { frame: stiff, settings, factors: factors.to_vec(), evaluations: 0 };
+        let mut at =
+            EvidenceWeighted { frame: stiff, settings, factors: factors.to_vec(), evaluations: 0 };
         let mut best = (series.error(runs), series.clone(), at.clone());
         for rounds in LOOSE {
             at = weigh(&series.targets(runs), (&at.factors, at.settings.gamma))?;
@@ -78,7 +79,7 @@ impl Series {
 #[cfg(test)]
 mod tests {
     use components::hysteresis::play::Plays;
-    use learned::features::{Features, Stops};
+    use learned::features::{Features, StopOperators};
 
     use super::super::{Arx, Recipe, Span, Teaches, rms_difference, weigh};
     use super::*;
@@ -108,10 +109,15 @@ mod tests {
             .collect();
         let run =
             Run { command: &chirp, position: &y, start: 0.0, first: 0, teaches: Teaches::Both };
-        let stops = Stops::new(12, 5.0, 1e-3).rated(300.0);
+        let stops = StopOperators::new(12, 5.0, 1e-3).rated(300.0);
         let pairs = [(&chirp[..], &y[..])];
-        let frame =
-            Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);
+        let frame = Frame::new(
+            Features::StopOperators(stops),
+            Span::UNIT,
+            Span::UNIT,
+            Recipe::Plain,
+            &pairs,
+        );
         let group = |input: usize| input.saturating_sub(11);
         let nothing = Arx { b: vec![1.0], a: vec![] };
         let start = (&nothing, &[(2, 2)][..]);

@@ -8,7 +8,7 @@
 use components::hysteresis::BoucWen as Component;
 use data::ComponentBlueprint;
 
-use super::{Bank, Chain, Method, PER_COMMAND, Scene, Shape, Weights, stepped};
+use super::{Bank, Chain, FitContext, Method, PER_COMMAND, Shape, Weights, stepped};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -38,7 +38,7 @@ impl Method for BoucWen {
         }
     }
 
-    fn shape(&self, scene: &Scene) -> Vec<Shape> {
+    fn shape(&self, scene: &FitContext) -> Vec<Shape> {
         let (_, half) = scene.centre();
         let mut all = vec![
             Shape::new("beta + gamma", "1/{command}", 1.5 / half, (0.02 / half, 50.0 / half)),
@@ -50,7 +50,7 @@ impl Method for BoucWen {
         all
     }
 
-    fn starts(&self, scene: &Scene) -> Vec<Vec<f64>> {
+    fn starts(&self, scene: &FitContext) -> Vec<Vec<f64>> {
         let (_, half) = scene.centre();
         let mut all = Vec::new();
         for decay in [0.5, 1.5, 4.0] {
@@ -63,12 +63,17 @@ impl Method for BoucWen {
         all
     }
 
-    fn weights(&self, _scene: &Scene) -> Weights {
+    fn weights(&self, _scene: &FitContext) -> Weights {
         let names = ["hysteresis.gain", "hysteresis.alpha*gain"];
         Weights { names: names.map(|n| (n.to_owned(), PER_COMMAND)).to_vec(), ..Weights::default() }
     }
 
-    fn bank<'a>(&'a self, _scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
+    fn bank<'a>(
+        &'a self,
+        _scene: &'a FitContext,
+        shape: &[f64],
+        step: f64,
+    ) -> Result<Bank<'a>, Error> {
         let [beta, gamma, delta] = law(shape);
         let part = Part::new(&Component, &[], &[1.0, 1.0, beta, gamma, delta, 1.0, 0.0], step)?;
         Ok(stepped(part, |u, state, row| {
@@ -76,7 +81,7 @@ impl Method for BoucWen {
         }))
     }
 
-    fn chain(&self, _scene: &Scene, shape: &[f64], weights: &[f64], offset: f64) -> Chain {
+    fn chain(&self, _scene: &FitContext, shape: &[f64], weights: &[f64], offset: f64) -> Chain {
         let [beta, gamma, delta] = law(shape);
         let (gain, slope) = (weights[0], weights[1]);
         Chain::of(

@@ -18,7 +18,7 @@
 use data::ComponentBlueprint;
 
 use super::prandtl_ishlinskii::plays;
-use super::{Bank, Chain, Method, Scene, Shape, Weights};
+use super::{Bank, Chain, FitContext, Method, Shape, Weights};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -35,7 +35,7 @@ const REACH: f64 = 2.0;
 const NEWTON: usize = 12;
 
 /// Thresholds twice as fine as those of the other methods.
-fn thresholds(scene: &Scene) -> Vec<f64> {
+fn thresholds(scene: &FitContext) -> Vec<f64> {
     let middle = scene.thresholds.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
     let last = scene.thresholds.iter().rev().take(2).copied().collect::<Vec<_>>();
     let beyond = if let [last, before] = last[..] { 1.5 * last - 0.5 * before } else { 0.0 };
@@ -44,7 +44,7 @@ fn thresholds(scene: &Scene) -> Vec<f64> {
 }
 
 /// Time constants of the creep: a half, a twentieth and a two-hundredth of the time fitted on.
-fn time_constants(scene: &Scene) -> [f64; 3] {
+fn time_constants(scene: &FitContext) -> [f64; 3] {
     [200.0, 20.0, 2.0].map(|part| scene.duration / part)
 }
 
@@ -57,7 +57,7 @@ impl Method for Curved {
         "Smooth Prandtl-Ishlinskii between two static curves, with creep: asymmetric loops"
     }
 
-    fn shape(&self, _scene: &Scene) -> Vec<Shape> {
+    fn shape(&self, _scene: &FitContext) -> Vec<Shape> {
         vec![
             Shape::new("nonlinearity.quadratic", "1", 0.0, (-0.3, 0.3)),
             Shape::new("linearity.quadratic", "1", 0.0, (-0.25, 0.25)),
@@ -68,16 +68,21 @@ impl Method for Curved {
         ]
     }
 
-    fn starts(&self, _scene: &Scene) -> Vec<Vec<f64>> {
+    fn starts(&self, _scene: &FitContext) -> Vec<Vec<f64>> {
         let bends = [(0.0, 0.0), (0.1, -0.1), (-0.1, 0.1), (0.15, -0.2), (-0.15, 0.2)];
         bends.map(|(before, behind)| vec![before, behind, 0.0, 0.01]).to_vec()
     }
 
-    fn weights(&self, scene: &Scene) -> Weights {
+    fn weights(&self, scene: &FitContext) -> Weights {
         Weights::plays(&[], &thresholds(scene))
     }
 
-    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
+    fn bank<'a>(
+        &'a self,
+        scene: &'a FitContext,
+        shape: &[f64],
+        step: f64,
+    ) -> Result<Bank<'a>, Error> {
         let (centre, half) = scene.centre();
         let [before, share] = [shape[0], shape[3]];
         let [a, b, c] = time_constants(scene);
@@ -97,7 +102,12 @@ impl Method for Curved {
         }))
     }
 
-    fn unmapped(&self, scene: &Scene, shape: &[f64], output: &[f64]) -> Option<Vec<(f64, f64)>> {
+    fn unmapped(
+        &self,
+        scene: &FitContext,
+        shape: &[f64],
+        output: &[f64],
+    ) -> Option<Vec<(f64, f64)>> {
         let (middle, half) = scene.middle();
         let (quadratic, cubic) = (shape[1], shape[2]);
         let undo = |y: &f64| {
@@ -115,7 +125,7 @@ impl Method for Curved {
         Some(output.iter().map(undo).collect())
     }
 
-    fn penalty(&self, scene: &Scene) -> Vec<Vec<f64>> {
+    fn penalty(&self, scene: &FitContext) -> Vec<Vec<f64>> {
         let count = thresholds(scene).len();
         let (_, half) = scene.centre();
         let strength = SMOOTHNESS * half * (count as f64 / REFERENCE_PLAYS).powf(2.5);
@@ -131,7 +141,7 @@ impl Method for Curved {
             .collect()
     }
 
-    fn chain(&self, scene: &Scene, shape: &[f64], weights: &[f64], offset: f64) -> Chain {
+    fn chain(&self, scene: &FitContext, shape: &[f64], weights: &[f64], offset: f64) -> Chain {
         let (centre, half) = scene.centre();
         let (middle, half_position) = scene.middle();
         let hysteresis = vec![

@@ -7,7 +7,7 @@ use components::COMPONENTS;
 use data::ComponentBlueprint;
 use model::{Component, Fit, Quantity, Role, Scale};
 
-use super::{Bank, Chain, Method, Scene, Shape, Weights, stepped};
+use super::{Bank, Chain, FitContext, Method, Shape, Weights, stepped};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -28,7 +28,7 @@ impl Declared {
         self.component.declaration().parameters.iter().find(|quantity| quantity.name == name)
     }
 
-    fn thresholds<'a>(&self, scene: &'a Scene) -> &'a [f64] {
+    fn thresholds<'a>(&self, scene: &'a FitContext) -> &'a [f64] {
         match scene.thresholds.as_slice() {
             [0.0, above @ ..] if !above.is_empty() && !self.fit.powers.is_empty() => above,
             all => all,
@@ -36,7 +36,7 @@ impl Declared {
     }
 
     /// What a searched parameter is counted in.
-    fn scale(scene: &Scene, scale: Scale) -> f64 {
+    fn scale(scene: &FitContext, scale: Scale) -> f64 {
         match scale {
             Scale::Own => 1.0,
             Scale::Growth => 0.05 * scene.duration,
@@ -60,7 +60,7 @@ impl Method for Declared {
         self.fit.summary
     }
 
-    fn shape(&self, scene: &Scene) -> Vec<Shape> {
+    fn shape(&self, scene: &FitContext) -> Vec<Shape> {
         let of = |searched: &model::Search| {
             let scale = Self::scale(scene, searched.scale);
             let unit = self.quantity(searched.name).map_or("1", |quantity| quantity.unit);
@@ -75,14 +75,14 @@ impl Method for Declared {
         self.fit.search.iter().map(of).collect()
     }
 
-    fn starts(&self, scene: &Scene) -> Vec<Vec<f64>> {
+    fn starts(&self, scene: &FitContext) -> Vec<Vec<f64>> {
         let scales = || self.fit.search.iter().map(|searched| Self::scale(scene, searched.scale));
         let scaled =
             |start: &&[f64]| start.iter().zip(scales()).map(|(x, scale)| x * scale).collect();
         self.fit.starts.iter().map(scaled).collect()
     }
 
-    fn weights(&self, scene: &Scene) -> Weights {
+    fn weights(&self, scene: &FitContext) -> Weights {
         let of = |(name, _): &(&str, i32)| {
             let quantity = self.quantity(name);
             let unit = quantity.map_or("1", |quantity| quantity.unit);
@@ -99,7 +99,12 @@ impl Method for Declared {
         weights
     }
 
-    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
+    fn bank<'a>(
+        &'a self,
+        scene: &'a FitContext,
+        shape: &[f64],
+        step: f64,
+    ) -> Result<Bank<'a>, Error> {
         let r = self.thresholds(scene);
         let of = |quantity: &Quantity| match quantity.role {
             Some(Role::Threshold) => r.to_vec(),
@@ -120,7 +125,7 @@ impl Method for Declared {
         }))
     }
 
-    fn chain(&self, scene: &Scene, shape: &[f64], weights: &[f64], offset: f64) -> Chain {
+    fn chain(&self, scene: &FitContext, shape: &[f64], weights: &[f64], offset: f64) -> Chain {
         let (powers, plays) = weights.split_at(self.fit.powers.len());
         let factor = |name: &str| {
             let at = self.fit.powers.iter().position(|power| power.0 == name)?;

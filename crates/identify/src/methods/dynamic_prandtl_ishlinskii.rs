@@ -7,7 +7,7 @@ use components::hysteresis::rate;
 use data::ComponentBlueprint;
 
 use super::prandtl_ishlinskii::plays;
-use super::{Bank, Chain, Method, Scene, Shape, Weights};
+use super::{Bank, Chain, FitContext, Method, Shape, Weights};
 use crate::error::Error;
 
 /// The method `dynamic-prandtl-ishlinskii`.
@@ -35,11 +35,11 @@ impl Method for DynamicPrandtlIshlinskii {
         "Dynamic Prandtl-Ishlinskii: weights that follow the command's rate and acceleration"
     }
 
-    fn shape(&self, _scene: &Scene) -> Vec<Shape> {
+    fn shape(&self, _scene: &FitContext) -> Vec<Shape> {
         Vec::new()
     }
 
-    fn weights(&self, scene: &Scene) -> Weights {
+    fn weights(&self, scene: &FitContext) -> Weights {
         let mut weights = Weights::plays(&[], &scene.thresholds);
         let names = |name: &'static str, unit: &'static str| {
             (1..=4).map(move |s| (format!("hysteresis.{name}[{s}]"), unit))
@@ -49,7 +49,12 @@ impl Method for DynamicPrandtlIshlinskii {
         weights
     }
 
-    fn bank<'a>(&'a self, scene: &'a Scene, _shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
+    fn bank<'a>(
+        &'a self,
+        scene: &'a FitContext,
+        _shape: &[f64],
+        step: f64,
+    ) -> Result<Bank<'a>, Error> {
         let mut plays = plays(scene.thresholds.clone());
         let mut memory = None;
         let mut acceleration = 0.0;
@@ -74,7 +79,7 @@ impl Method for DynamicPrandtlIshlinskii {
         }))
     }
 
-    fn chain(&self, scene: &Scene, _shape: &[f64], weights: &[f64], offset: f64) -> Chain {
+    fn chain(&self, scene: &FitContext, _shape: &[f64], weights: &[f64], offset: f64) -> Chain {
         Chain::of(
             ComponentBlueprint::new("dynamic-prandtl-ishlinskii")
                 .value("r", scene.thresholds.as_slice())

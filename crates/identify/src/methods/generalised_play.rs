@@ -7,7 +7,7 @@
 use components::hysteresis::GeneralisedPlay as Component;
 use data::ComponentBlueprint;
 
-use super::{Bank, Chain, Method, Scene, Shape, Weights, stepped};
+use super::{Bank, Chain, FitContext, Method, Shape, Weights, stepped};
 use crate::error::Error;
 use crate::fit::response::Part;
 
@@ -15,7 +15,7 @@ use crate::fit::response::Part;
 pub(crate) struct GeneralisedPlay;
 
 /// a0 … a3 of the rising and of the falling envelope.
-fn envelopes(scene: &Scene, shape: &[f64]) -> [f64; 8] {
+fn envelopes(scene: &FitContext, shape: &[f64]) -> [f64; 8] {
     let (centre, _) = scene.centre();
     let envelope = |steepness: f64, shift: f64, height: f64| {
         let a0 = 1.0 / steepness;
@@ -35,7 +35,7 @@ impl Method for GeneralisedPlay {
         "Generalised plays between hyperbolic tangents: asymmetric and saturating"
     }
 
-    fn shape(&self, scene: &Scene) -> Vec<Shape> {
+    fn shape(&self, scene: &FitContext) -> Vec<Shape> {
         let (_, half) = scene.centre();
         let steep = (0.01 / half, 1.0 / half);
         vec![
@@ -47,18 +47,23 @@ impl Method for GeneralisedPlay {
         ]
     }
 
-    fn weights(&self, scene: &Scene) -> Weights {
+    fn weights(&self, scene: &FitContext) -> Weights {
         Weights::plays(&[], &scene.thresholds)
     }
 
-    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error> {
+    fn bank<'a>(
+        &'a self,
+        scene: &'a FitContext,
+        shape: &[f64],
+        step: f64,
+    ) -> Result<Bank<'a>, Error> {
         let r = scene.thresholds.as_slice();
         let parameters = [r, &vec![1.0; r.len()], &[0.0], &envelopes(scene, shape)[..]].concat();
         let part = Part::new(&Component, &[r.len() as f64], &parameters, step)?;
         Ok(stepped(part, |_, state, row| row.copy_from_slice(&state[2..2 + row.len()])))
     }
 
-    fn chain(&self, scene: &Scene, shape: &[f64], weights: &[f64], offset: f64) -> Chain {
+    fn chain(&self, scene: &FitContext, shape: &[f64], weights: &[f64], offset: f64) -> Chain {
         let mut component = ComponentBlueprint::new("generalised-play")
             .value("r", scene.thresholds.as_slice())
             .value("w", weights)

@@ -55,20 +55,25 @@ pub(crate) trait Method: Sync {
     /// One sentence.
     fn summary(&self) -> &'static str;
     /// Parameters that are searched; none where everything is linear.
-    fn shape(&self, scene: &Scene) -> Vec<Shape>;
+    fn shape(&self, scene: &FitContext) -> Vec<Shape>;
     /// Other starts of the search, full vectors of the shape.
-    fn starts(&self, scene: &Scene) -> Vec<Vec<f64>> {
+    fn starts(&self, scene: &FitContext) -> Vec<Vec<f64>> {
         vec![self.shape(scene).iter().map(|s| s.start).collect()]
     }
     /// Parameters that are linear, in the order of the columns: those of any sign first.
-    fn weights(&self, scene: &Scene) -> Weights;
+    fn weights(&self, scene: &FitContext) -> Weights;
     /// The columns, one per weight: its part of the position for each sample of a signal, `step` seconds apart.
     ///
     /// # Errors
     /// [`Error::Model`] where the component refuses the shape.
-    fn bank<'a>(&'a self, scene: &'a Scene, shape: &[f64], step: f64) -> Result<Bank<'a>, Error>;
+    fn bank<'a>(
+        &'a self,
+        scene: &'a FitContext,
+        shape: &[f64],
+        step: f64,
+    ) -> Result<Bank<'a>, Error>;
     /// Least value of the first weight where none is free.
-    fn least(&self, scene: &Scene) -> f64 {
+    fn least(&self, scene: &FitContext) -> f64 {
         let _ = scene;
         0.0
     }
@@ -78,7 +83,12 @@ pub(crate) trait Method: Sync {
     }
     /// Positions before the static map that the method puts behind everything, and the slope of that
     /// map there; `None` where there is no such map.
-    fn unmapped(&self, scene: &Scene, shape: &[f64], output: &[f64]) -> Option<Vec<(f64, f64)>> {
+    fn unmapped(
+        &self,
+        scene: &FitContext,
+        shape: &[f64],
+        output: &[f64],
+    ) -> Option<Vec<(f64, f64)>> {
         let _ = (scene, shape, output);
         None
     }
@@ -87,17 +97,17 @@ pub(crate) trait Method: Sync {
         false
     }
     /// Rows of a penalty on the weights, in position, per square root of a sample.
-    fn penalty(&self, scene: &Scene) -> Vec<Vec<f64>> {
+    fn penalty(&self, scene: &FitContext) -> Vec<Vec<f64>> {
         let _ = scene;
         Vec::new()
     }
     /// The components of a fitted model.
-    fn chain(&self, scene: &Scene, shape: &[f64], weights: &[f64], offset: f64) -> Chain;
+    fn chain(&self, scene: &FitContext, shape: &[f64], weights: &[f64], offset: f64) -> Chain;
 }
 
 /// What a method knows of the records.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Scene {
+pub(crate) struct FitContext {
     /// Least and greatest command.
     pub(crate) command: [f64; 2],
     /// Least and greatest position on the rows fitted on.
@@ -114,7 +124,7 @@ pub(crate) struct Scene {
     pub(crate) least_slope: f64,
 }
 
-impl Scene {
+impl FitContext {
     /// Position at zero command on the line from the least to the greatest command and position.
     pub(crate) fn zero_of([low, high]: [f64; 2], [bottom, top]: [f64; 2]) -> f64 {
         bottom - low * (top - bottom) / (high - low)
@@ -234,16 +244,16 @@ pub(crate) static GAIN: &dyn Method = &linear::Linear;
 pub(crate) const LINEAR: &str = "linear";
 
 /// The method of this name.
-pub(crate) fn find(name: &str) -> Option<Way> {
-    let operator = METHODS.iter().copied().find(|m| m.name() == name).map(Way::Operator);
-    let learned = || Family::ALL.into_iter().find(|f| f.name() == name).map(Way::Learned);
-    let network = (name == NETWORK).then_some(Way::Network);
+pub(crate) fn find(name: &str) -> Option<Strategy> {
+    let operator = METHODS.iter().copied().find(|m| m.name() == name).map(Strategy::Operator);
+    let learned = || Family::ALL.into_iter().find(|f| f.name() == name).map(Strategy::Learned);
+    let network = (name == NETWORK).then_some(Strategy::Network);
     operator.or_else(learned).or(network)
 }
 
 /// How a plant is found.
 #[derive(Clone, Copy)]
-pub(crate) enum Way {
+pub(crate) enum Strategy {
     /// By a fit.
     Operator(&'static dyn Method),
     /// By learning.
@@ -252,12 +262,12 @@ pub(crate) enum Way {
     Network,
 }
 
-impl Way {
+impl Strategy {
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Way::Operator(method) => method.name(),
-            Way::Learned(family) => family.name(),
-            Way::Network => NETWORK,
+            Strategy::Operator(method) => method.name(),
+            Strategy::Learned(family) => family.name(),
+            Strategy::Network => NETWORK,
         }
     }
 }
@@ -265,7 +275,7 @@ impl Way {
 /// Whether the method of this name learns a machine.
 #[must_use]
 pub fn is_learned(name: &str) -> bool {
-    matches!(find(name), Some(Way::Learned(_)))
+    matches!(find(name), Some(Strategy::Learned(_)))
 }
 
 /// Name and sentence of every method that can be identified.
@@ -294,7 +304,7 @@ mod tests {
 
     #[test]
     fn every_method_has_a_column_per_weight_and_a_start_within_bounds() {
-        let scene = Scene {
+        let scene = FitContext {
             command: [0.0, 10.0],
             position: [-1.0, 20.0],
             zero: 0.0,

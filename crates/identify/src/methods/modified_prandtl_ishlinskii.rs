@@ -8,14 +8,14 @@ use components::hysteresis::dead_zone::DeadZones;
 use data::ComponentBlueprint;
 
 use super::prandtl_ishlinskii::plays;
-use super::{Bank, Chain, Method, Scene, Shape, Weights};
+use super::{Bank, Chain, FitContext, Method, Shape, Weights};
 use crate::error::Error;
 
 /// The method `modified-prandtl-ishlinskii`.
 pub(crate) struct ModifiedPrandtlIshlinskii;
 
 /// Edges as positions less the one at zero command.
-fn edges(scene: &Scene) -> Vec<f64> {
+fn edges(scene: &FitContext) -> Vec<f64> {
     let [low, high] = scene.position;
     let range = high - low;
     let quarters = [0.2, 0.4, 0.6, 0.8].map(|part| low + part * range - scene.zero);
@@ -31,7 +31,7 @@ impl Method for ModifiedPrandtlIshlinskii {
         "Kuhnen's modified Prandtl-Ishlinskii: asymmetric by one-sided dead zones behind the plays"
     }
 
-    fn shape(&self, scene: &Scene) -> Vec<Shape> {
+    fn shape(&self, scene: &FitContext) -> Vec<Shape> {
         let (_, half) = scene.middle();
         let bounds = (scene.zero - half, scene.zero + half);
         let mut all = vec![Shape::new("hysteresis.offset", "{position}", scene.zero, bounds)];
@@ -40,15 +40,25 @@ impl Method for ModifiedPrandtlIshlinskii {
         all
     }
 
-    fn weights(&self, scene: &Scene) -> Weights {
+    fn weights(&self, scene: &FitContext) -> Weights {
         Weights::plays(&[], &scene.thresholds)
     }
 
-    fn bank<'a>(&'a self, scene: &'a Scene, _shape: &[f64], _step: f64) -> Result<Bank<'a>, Error> {
+    fn bank<'a>(
+        &'a self,
+        scene: &'a FitContext,
+        _shape: &[f64],
+        _step: f64,
+    ) -> Result<Bank<'a>, Error> {
         Ok(plays(scene.thresholds.clone()))
     }
 
-    fn unmapped(&self, scene: &Scene, shape: &[f64], output: &[f64]) -> Option<Vec<(f64, f64)>> {
+    fn unmapped(
+        &self,
+        scene: &FitContext,
+        shape: &[f64],
+        output: &[f64],
+    ) -> Option<Vec<(f64, f64)>> {
         let edges = edges(scene);
         let zones = DeadZones { edges: &edges, slopes: &shape[1..] };
         // At most four slopes of −0.2 each, so the map rises everywhere.
@@ -69,7 +79,7 @@ impl Method for ModifiedPrandtlIshlinskii {
         true
     }
 
-    fn chain(&self, scene: &Scene, shape: &[f64], weights: &[f64], _offset: f64) -> Chain {
+    fn chain(&self, scene: &FitContext, shape: &[f64], weights: &[f64], _offset: f64) -> Chain {
         Chain::of(
             ComponentBlueprint::new("modified-prandtl-ishlinskii")
                 .value("r", scene.thresholds.as_slice())

@@ -3,7 +3,7 @@
 use components::hysteresis::play::play;
 use data::ComponentBlueprint;
 
-use super::{Bank, Chain, Method, Scene, Shape, Weights};
+use super::{Bank, Chain, FitContext, Method, Shape, Weights};
 use crate::error::Error;
 
 /// The method `prandtl-ishlinskii`.
@@ -29,19 +29,24 @@ impl Method for PrandtlIshlinskii {
         "Static Prandtl-Ishlinskii: symmetric, independent of rate; weights by least squares"
     }
 
-    fn shape(&self, _scene: &Scene) -> Vec<Shape> {
+    fn shape(&self, _scene: &FitContext) -> Vec<Shape> {
         Vec::new()
     }
 
-    fn weights(&self, scene: &Scene) -> Weights {
+    fn weights(&self, scene: &FitContext) -> Weights {
         Weights::plays(&[], &scene.thresholds)
     }
 
-    fn bank<'a>(&'a self, scene: &'a Scene, _shape: &[f64], _step: f64) -> Result<Bank<'a>, Error> {
+    fn bank<'a>(
+        &'a self,
+        scene: &'a FitContext,
+        _shape: &[f64],
+        _step: f64,
+    ) -> Result<Bank<'a>, Error> {
         Ok(plays(scene.thresholds.clone()))
     }
 
-    fn least(&self, scene: &Scene) -> f64 {
+    fn least(&self, scene: &FitContext) -> f64 {
         scene.least_slope
     }
 
@@ -49,7 +54,7 @@ impl Method for PrandtlIshlinskii {
         Some("w")
     }
 
-    fn chain(&self, scene: &Scene, _shape: &[f64], weights: &[f64], offset: f64) -> Chain {
+    fn chain(&self, scene: &FitContext, _shape: &[f64], weights: &[f64], offset: f64) -> Chain {
         Chain::of(
             ComponentBlueprint::new("prandtl-ishlinskii")
                 .value("r", scene.thresholds.as_slice())

@@ -10,7 +10,7 @@
 
 use data::ComponentBlueprint;
 
-use super::{Bank, Chain, Method, Scene, Shape, Weights};
+use super::{Bank, Chain, FitContext, Method, Shape, Weights};
 use crate::error::Error;
 
 /// The method `preisach`.
@@ -36,7 +36,7 @@ fn side(levels: usize) -> usize {
 }
 
 /// Command range that the levels divide: half a level wider than the commands on both sides.
-fn range(scene: &Scene) -> [f64; 2] {
+fn range(scene: &FitContext) -> [f64; 2] {
     let [low, high] = scene.command;
     let half = 0.5 * (high - low) / (scene.levels * side(scene.levels)) as f64;
     [low - half, high + half]
@@ -123,17 +123,22 @@ impl Method for Preisach {
         "Discrete Preisach: relays weighted by non-negative least squares; output in small stairs"
     }
 
-    fn shape(&self, _scene: &Scene) -> Vec<Shape> {
+    fn shape(&self, _scene: &FitContext) -> Vec<Shape> {
         Vec::new()
     }
 
-    fn weights(&self, scene: &Scene) -> Weights {
+    fn weights(&self, scene: &FitContext) -> Weights {
         let names =
             (1..=relays(scene.levels)).map(|i| (format!("hysteresis.cell[{i}]"), "{position}"));
         Weights { names: names.collect(), ..Weights::default() }
     }
 
-    fn bank<'a>(&'a self, scene: &'a Scene, _shape: &[f64], _step: f64) -> Result<Bank<'a>, Error> {
+    fn bank<'a>(
+        &'a self,
+        scene: &'a FitContext,
+        _shape: &[f64],
+        _step: f64,
+    ) -> Result<Bank<'a>, Error> {
         let [low, high] = range(scene);
         let mut relays = Relays::new(scene.levels);
         let per_command = relays.levels as f64 / (high - low);
@@ -143,7 +148,7 @@ impl Method for Preisach {
         }))
     }
 
-    fn penalty(&self, scene: &Scene) -> Vec<Vec<f64>> {
+    fn penalty(&self, scene: &FitContext) -> Vec<Vec<f64>> {
         let count = relays(scene.levels);
         let mut rows = Vec::new();
         for i in 1..scene.levels {
@@ -162,7 +167,7 @@ impl Method for Preisach {
         rows
     }
 
-    fn chain(&self, scene: &Scene, _shape: &[f64], weights: &[f64], offset: f64) -> Chain {
+    fn chain(&self, scene: &FitContext, _shape: &[f64], weights: &[f64], offset: f64) -> Chain {
         Chain::of(preisach_of(&spread(weights, scene.levels), range(scene), offset))
     }
 }
@@ -176,7 +181,7 @@ mod tests {
     #[test]
     fn cells_are_the_relays_of_the_component() {
         for levels in [2, 7, 20, 60] {
-            let scene = Scene {
+            let scene = FitContext {
                 command: [-10.0, 30.0],
                 position: [0.0, 1.0],
                 zero: 0.0,

@@ -18,7 +18,7 @@
 
 /// Number and range.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stops {
+pub struct StopOperators {
     /// Number of stop operators n.
     pub count: usize,
     /// Greatest command u_max.
@@ -34,7 +34,7 @@ pub struct Stops {
 /// What the rate is divided by where it is no input: it is then nothing beside the others.
 const NO_RATE: f64 = 1e12;
 
-impl Stops {
+impl StopOperators {
     /// So many stops up to the greatest command, a sample every `period` s; without a projection, and the rate
     /// as good as none.
     #[must_use]
@@ -106,9 +106,9 @@ mod tests {
 
     #[test]
     fn a_stop_is_the_command_less_its_play() {
-        let mut stops = Stops::new(3, 4.0, 0.5).rated(2.0);
+        let mut stops = StopOperators::new(3, 4.0, 0.5).rated(2.0);
         let u: Vec<f64> = (0..60).map(|k| 2.0 + 2.0 * libm::sin(0.4 * f64::from(k))).collect();
-        let all = Features::Stops(stops.clone()).of_record(&u, &u);
+        let all = Features::StopOperators(stops.clone()).of_record(&u, &u);
         for (i, r) in [1.0, 2.0, 3.0].into_iter().enumerate() {
             let mut p = u[0] - u[0].clamp(-r, r);
             for (k, u) in u.iter().enumerate() {
@@ -121,7 +121,7 @@ mod tests {
             assert!((all[5 * k + 4] - (u[k] - u[k - 1])).abs() < 1e-12);
         }
         stops.projection = vec![0.5, 0.0, -2.0];
-        let projected = Features::Stops(stops).of_record(&u, &u);
+        let projected = Features::StopOperators(stops).of_record(&u, &u);
         for (with, z) in projected.chunks(5).zip(all.chunks(5)) {
             assert!((with[3] - (z[3] + 0.5 * z[0] - 2.0 * z[2])).abs() < 1e-12);
             assert_eq!((&with[..3], with[4]), (&z[..3], z[4]));

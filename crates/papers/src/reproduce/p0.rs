@@ -4,7 +4,9 @@ mod method;
 mod tried;
 
 use anyhow::Context;
-use identify::learned::{Arx, Machine, Rehearsal, Run, SEED, Span, Teaches, Waves, rms_difference};
+use identify::learned::{
+    Arx, Machine, Run, SEED, Span, SyntheticData, Teaches, Waves, rms_difference,
+};
 use learned::lssvm::{LsSvm, Pruning, prune};
 
 pub(super) use self::method::stops;
@@ -408,15 +410,15 @@ fn inverse(
 ) -> anyhow::Result<([f64; 4], [f64; 2])> {
     let (h, d) = (&records.train_h, &records.train_d);
     let ours = method.in_turn;
-    let rehearsal =
-        Rehearsal::new(&[&h.u], ours.then_some(WAVES), |u| complete.simulate(u, h.theta0))?;
-    let pairs = rehearsal.pairs();
+    let synthetic =
+        SyntheticData::new(&[&h.u], ours.then_some(WAVES), |u| complete.simulate(u, h.theta0))?;
+    let pairs = synthetic.pairs();
     let (clean, _) = pairs[0];
     let (frame, settings) = match ours {
         true => stops(&pairs, [Span::UNIT; 2])?,
         false => (method.frame.clone(), method.inverse),
     };
-    let samples = rehearsal.samples(&frame, if ours { 2 } else { 1 }, 16)?;
+    let samples = synthetic.samples(&frame, if ours { 2 } else { 1 }, 16)?;
     let (trained, report) = Machine::train_on(frame.clone(), &samples, settings)?;
     let judge = |machine: &LsSvm| rms_difference(&frame.simulate(machine, clean, h.u[0]), &h.u);
     let own = judge(&trained.machine);

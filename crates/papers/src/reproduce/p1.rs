@@ -7,7 +7,7 @@ use identify::learned::{
     Arx, Frame, GREATEST_GAMMA, Machine, Recipe, Run, Seek, Selected, Selection, Series, Span,
     Teaches, Widths, rms_difference, select, sought,
 };
-use learned::features::{Features, Narx, Stops};
+use learned::features::{Features, Narx, StopOperators};
 use learned::lssvm::{Folds, Validation};
 
 use super::figures::{self, Chapter};
@@ -108,8 +108,8 @@ const FILTER: f64 = 40.0;
 
 /// Frame over stop operators and the command, without its rate.
 fn stops_frame(period: f64, pairs: &[(&[f64], &[f64])]) -> Frame {
-    let stops = Stops::new(STOPS, RANGE, period);
-    Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, pairs)
+    let stops = StopOperators::new(STOPS, RANGE, period);
+    Frame::new(Features::StopOperators(stops), Span::UNIT, Span::UNIT, Recipe::Plain, pairs)
         .on_a_line(pairs)
 }
 
@@ -193,7 +193,7 @@ pub(crate) fn stops_and_rate(
     (range, output, period): (f64, Span, f64),
     pairs: &[(&[f64], &[f64])],
 ) -> Frame {
-    let stops = Features::Stops(Stops::new(count, range, period).rated(1.0));
+    let stops = Features::StopOperators(StopOperators::new(count, range, period).rated(1.0));
     Frame::new(stops, Span::UNIT, output, Recipe::Standardised, pairs)
 }
 
@@ -434,9 +434,9 @@ fn tried(
     answer.remarks.push(searched("tried: a part for each signal", &found));
     all.push(("a part of the cross-validation for each signal".into(), records.errors(&machine)));
     say("tried: inputs by their greatest");
-    // Stops in parts of the greatest command, the rate of the fastest training signal is 1.
+    // StopOperators in parts of the greatest command, the rate of the fastest training signal is 1.
     let rate = std::f64::consts::TAU * 10.0 * 2.5 / RANGE;
-    let stops = Features::Stops(Stops::new(STOPS, 1.0, period).rated(rate));
+    let stops = Features::StopOperators(StopOperators::new(STOPS, 1.0, period).rated(rate));
     let complete = Span { low: 0.0, high: RANGE };
     let plain = Frame::new(stops, complete, Span::UNIT, Recipe::Plain, &pairs);
     for (name, parts) in

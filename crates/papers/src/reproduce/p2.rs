@@ -84,23 +84,23 @@ struct Record {
     y: Vec<f64>,
     h: Vec<f64>,
     range: f64,
-    way: Way,
+    way: Scaling,
 }
 
 /// What u, y and h are divided by, and the gain d.
 #[derive(Clone, Copy)]
-struct Way {
+struct Scaling {
     scales: [f64; 3],
     gain: f64,
 }
 
 /// d of the printed G(s).
-const PRINTED: Way = Way { scales: SCALES, gain: GAIN };
+const PRINTED: Scaling = Scaling { scales: SCALES, gain: GAIN };
 
 /// Scales that make u, y and h of order one: 10 V, 200 um, and ω² times 30 um.
 const SCALES: [f64; 3] = [10.0, 200.0, 30.0 * STIFFNESS];
 
-fn record(name: &str, way: Way) -> anyhow::Result<Record> {
+fn record(name: &str, way: Scaling) -> anyhow::Result<Record> {
     let run = driven(machines::P2, name, &[], 1.0)?;
     let y: Vec<f64> = run.after().iter().map(|y| y - run.position[0]).collect();
     let (u, t) = (run.command, run.period);
@@ -335,7 +335,7 @@ const THIRD: [f64; 3] = [1.05, 0.35, 0.50];
 const TERM: [f64; 3] = [f64::NAN, 0.27, 0.15];
 
 /// Training and both tests.
-fn records(way: Way) -> anyhow::Result<[Record; 3]> {
+fn records(way: Scaling) -> anyhow::Result<[Record; 3]> {
     Ok([record("p2-train", way)?, record("p2-test-1", way)?, record("p2-test-2", way)?])
 }
 
@@ -357,7 +357,7 @@ fn tried(
     let (uy, uu) = training.u.iter().zip(&training.y).fold((0.0, 0.0), |(uy, uu), (u, y)| {
         (uy + u * y * command * position, uu + u * u * command * command)
     });
-    let fitted = Way { gain: STIFFNESS * uy / uu, ..PRINTED };
+    let fitted = Scaling { gain: STIFFNESS * uy / uu, ..PRINTED };
     let [sigma2, (least, _)] = BOUNDS;
     let modest = [sigma2, (least, MODEST.ln())];
     for (what, way, past, bounds) in [
@@ -365,7 +365,7 @@ fn tried(
         ("three past values of each", PRINTED, 3, BOUNDS),
         (
             "signals divided by their standard deviations",
-            Way { scales: deviations, ..PRINTED },
+            Scaling { scales: deviations, ..PRINTED },
             PAST,
             BOUNDS,
         ),

@@ -6,7 +6,7 @@ use identify::learned::{
     Arx, Frame, GREATEST_GAMMA, Machine, Recipe, Run, Search, Series, Span, Teaches, Widths,
     by_likelihood, rms_difference,
 };
-use learned::features::{Derivatives, Features, Stops};
+use learned::features::{Derivatives, Features, StopOperators};
 use learned::gp::{self, GaussianProcess, Hyperparameters};
 use learned::lssvm::Samples;
 
@@ -233,16 +233,17 @@ pub(crate) const COUNT: usize = 30;
 const GREATEST: f64 = 2.0;
 const RATE: f64 = 6000.0;
 
-/// Stops, command, rate.
+/// StopOperators, command, rate.
 pub(crate) fn group(input: usize) -> usize {
     input.saturating_sub(COUNT - 1)
 }
 
 /// The LS-SVM over stop operators, command and rate with a linear part behind it, trained on the chirp.
 pub(crate) fn series(chirp: &Response) -> anyhow::Result<(Series, String)> {
-    let stops = Stops::new(COUNT, GREATEST, chirp.period).rated(RATE);
+    let stops = StopOperators::new(COUNT, GREATEST, chirp.period).rated(RATE);
     let pairs = [(&chirp.command[..], chirp.after())];
-    let frame = Frame::new(Features::Stops(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);
+    let frame =
+        Frame::new(Features::StopOperators(stops), Span::UNIT, Span::UNIT, Recipe::Plain, &pairs);
     let run = Run {
         command: &chirp.command,
         position: chirp.after(),

@@ -31,17 +31,18 @@ fn three() -> Synthetic {
     Synthetic::new(&[(3, 10.0), (5, 8.0), (7, 6.0)], &columns)
 }
 
-fn entry(best: Candidate) -> Looked {
-    Looked { family: best.picks[0].0, screening: 0.0, best: Some(best), why: None }
+fn entry(best: Candidate) -> RankedFamily {
+    RankedFamily { family: best.picks[0].0, screening: 0.0, best: Some(best), why: None }
 }
 
 /// Lists of rivals that say which slot they are of by their lengths.
-fn marked(slots: usize) -> Vec<Vec<Looked>> {
-    let list = |slot| vec![Looked { family: 0, screening: 0.0, best: None, why: None }; slot + 1];
+fn marked(slots: usize) -> Vec<Vec<RankedFamily>> {
+    let list =
+        |slot| vec![RankedFamily { family: 0, screening: 0.0, best: None, why: None }; slot + 1];
     (0..slots).map(list).collect()
 }
 
-fn marks(rivals: &[Vec<Looked>]) -> Vec<usize> {
+fn marks(rivals: &[Vec<RankedFamily>]) -> Vec<usize> {
     rivals.iter().map(|list| list.len() - 1).collect()
 }
 
@@ -63,7 +64,7 @@ fn rivals_that_fit_the_fitted_rows_as_well_are_held_against_all_rows() {
     let synthetic = Synthetic::new(&[(3, 10.0)], &columns);
     let (search, base) = (synthetic.search(), synthetic.retuned());
     let all = [0, 1, 2].map(|family| synthetic.with(&[(family, 0)]));
-    let mut looked: Vec<Looked> = all.iter().cloned().map(entry).collect();
+    let mut looked: Vec<RankedFamily> = all.iter().cloned().map(entry).collect();
     search.hold_against_all_rows(&base, &all[0], &mut looked);
     let against = |k: usize| looked[k].best.as_ref().unwrap().against;
     // Its own odds, and those of one prediction that is off.
@@ -326,7 +327,7 @@ fn beside(
     let gap = base.judged.held_out - 1.0;
     single.judged.held_out = 1.0 + gap * (1.0 - power);
     single.judged.training = 2.0 + 2.0 * leaves - single.judged.held_out;
-    let first: Vec<Looked> =
+    let first: Vec<RankedFamily> =
         [vec![entry(single.clone())], others.iter().cloned().map(entry).collect()].concat();
     let mut rivals = vec![first.clone()];
     let best = synthetic.search().pair_beside_rivals(&base, single, &first, &mut rivals);

@@ -306,13 +306,13 @@ fn a_set_that_is_far_from_enough_is_hopeless() {
 }
 
 /// Rivals of one slot that leave alike, with these families, ranks and coefficients.
-fn alike(figures: &Figures, all: &[(usize, f64, usize)]) -> Vec<Looked> {
+fn alike(figures: &Figures, all: &[(usize, f64, usize)]) -> Vec<RankedFamily> {
     let entry = |&(family, rank, freedom): &(usize, f64, usize)| {
         let mut best = figures.set(1, 0.99, 0.99);
         best.picks = vec![(family, 0)];
         best.fit.mean_square = best.judged.training;
         (best.rank, best.freedom) = (rank, freedom);
-        Looked { family, screening: 0.0, best: Some(best), why: None }
+        RankedFamily { family, screening: 0.0, best: Some(best), why: None }
     };
     all.iter().map(entry).collect()
 }
@@ -350,7 +350,7 @@ fn an_effect_beside_others_gives_way_to_what_is_more_probable_beside_the_same() 
     let mut rivals = vec![beside((1, 0)), first.clone()];
     let named = search.most_probable(&sight, &mut rivals, pair.clone());
     assert_eq!(named.picks, [(1, 0), (2, 0)]);
-    let families = |looked: &[Looked]| looked.iter().map(|l| l.family).collect::<Vec<_>>();
+    let families = |looked: &[RankedFamily]| looked.iter().map(|l| l.family).collect::<Vec<_>>();
     assert_eq!(families(&rivals[1]), [0, 2], "the list goes with its effect");
     // Rivals that stand alone are no answer, nor are those beside another formula of the second.
     let alone = alike(&figures, &[(0, -100.0, 9), (2, -98.0, 4), (1, -99.0, 1)]);
@@ -415,7 +415,8 @@ fn a_single_effect_that_three_names_have_alike_is_one_of_them() {
     let explains = |bands: f64| {
         let mut one = figures.set(1, 0.88, bands);
         one.fit.mean_square = one.judged.training;
-        let looked = vec![Looked { family: 0, screening: 0.0, best: Some(one.clone()), why: None }];
+        let looked =
+            vec![RankedFamily { family: 0, screening: 0.0, best: Some(one.clone()), why: None }];
         search.believed(&base, one, &mut vec![looked]).picks
     };
     assert_eq!(explains(0.4), [(0, 0)]);

@@ -14,7 +14,7 @@ use learned::plays::{INPUTS, unit, unit_slope};
 use nalgebra::{DMatrix, DVector};
 use numerics::levenberg_marquardt::damped_step;
 
-use super::{BEYOND, EACH, HEIGHT, Lesson, Plays, STARTS, WEIGHT, without_means};
+use super::{BEYOND, EACH, HEIGHT, Plays, STARTS, TrainingRecord, WEIGHT, without_means};
 use crate::error::Error;
 use crate::observer::Observer;
 
@@ -31,7 +31,7 @@ const FIRST_CREEP: usize = INPUTS - 3;
 /// What is fitted on.
 pub(super) struct Joint<'a> {
     pub(super) plays: &'a Plays,
-    pub(super) lessons: &'a [Lesson],
+    pub(super) lessons: &'a [TrainingRecord],
     pub(super) step: f64,
     /// What bend, quadratic, cubic and share lie within.
     pub(super) bounds: &'a [(f64, f64)],
@@ -189,7 +189,7 @@ impl Joint<'_> {
         &self,
         plays: &Plays,
         network: &[f64],
-        lesson: &Lesson,
+        lesson: &TrainingRecord,
         from: usize,
         jacobian: &mut DMatrix<f64>,
     ) -> Result<usize, Error> {
@@ -287,7 +287,7 @@ mod tests {
             .map(|k| 50.0 + 40.0 * (0.05 * k as f64).sin() * (0.011 * k as f64).cos())
             .collect();
         let position = (0..190).map(|k| 8.0 + 5.0 * (0.1 * k as f64).sin()).collect();
-        let lessons = [Lesson { signal, substeps: 2, first: 5, position }];
+        let lessons = [TrainingRecord { signal, substeps: 2, first: 5, position }];
         let bounds = [(-0.3, 0.3), (-0.25, 0.25), (-0.1, 0.1), (0.0, 0.03)];
         let joint = Joint {
             plays: &plays,

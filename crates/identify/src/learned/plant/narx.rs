@@ -14,7 +14,7 @@ use learned::lssvm::Settings;
 
 use super::super::series::rows;
 use super::super::{BOUNDS, Frame, Machine, Recipe, Series, select};
-use super::{Scene, Stage, failed, none};
+use super::{FitContext, Stage, failed, none};
 use crate::error::Error;
 
 /// Numbers of past commands and outputs.
@@ -25,7 +25,10 @@ const GAMMA: [f64; 4] = [1e2, 1e4, 1e6, 1e8];
 const TRIED: usize = 600;
 const ROUNDS: usize = 12;
 
-pub(super) fn learn(scene: &Scene<'_>, stage: &mut Stage<'_>) -> Result<(Series, Settings), Error> {
+pub(super) fn learn(
+    scene: &FitContext<'_>,
+    stage: &mut Stage<'_>,
+) -> Result<(Series, Settings), Error> {
     let pairs = scene.pairs();
     let (some, rest) = scene.parts();
     let mut best: Option<(f64, Frame, Settings)> = None;

@@ -18,7 +18,7 @@ use learned::gp::GaussianProcess;
 use super::super::process::{Search, by_likelihood};
 use super::super::series::rows;
 use super::super::{Frame, Machine, Recipe, Run, Series};
-use super::{SAMPLES, Scene, Stage, failed, none};
+use super::{FitContext, SAMPLES, Stage, failed, none};
 use crate::error::Error;
 use crate::settings::FeatureChoice;
 
@@ -98,7 +98,7 @@ impl TrainedProcess {
 }
 
 pub(super) fn learn(
-    scene: &Scene<'_>,
+    scene: &FitContext<'_>,
     stage: &mut Stage<'_>,
 ) -> Result<(Series, TrainedProcess), Error> {
     let pairs = scene.pairs();

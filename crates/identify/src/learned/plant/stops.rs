@@ -8,12 +8,12 @@
 //! what is fitted. Where a selection or the rate is asked for: each input divided by its standard deviation, one σ² and γ by that
 //! selection (five parts in simulation mode, where none is given), no linear part, as in P1.
 
-use learned::features::{Features, Stops};
+use learned::features::{Features, StopOperators};
 
 use learned::lssvm::Settings;
 
 use super::super::{BOUNDS, Frame, Machine, Recipe, Run, Seek, Selection, Series, Widths, select};
-use super::{SAMPLES, Scene, Stage, failed, none};
+use super::{FitContext, SAMPLES, Stage, failed, none};
 use crate::error::Error;
 use crate::settings::FeatureChoice;
 
@@ -30,7 +30,7 @@ const HOPELESS: f64 = 3.0;
 
 /// Learns from one of these scenes, which differ in what is taken for a delay; the number of that one is given, too.
 pub(super) fn learn(
-    scenes: &[Scene<'_>],
+    scenes: &[FitContext<'_>],
     stage: &mut Stage<'_>,
 ) -> Result<(usize, Series, Settings), Error> {
     if let Some(last) = scenes.last()
@@ -73,13 +73,13 @@ pub(super) fn learn(
 }
 
 /// One σ² and γ over stops, command and, where it is asked for, its rate.
-fn selected(scene: &Scene<'_>) -> Result<(Series, Settings), Error> {
+fn selected(scene: &FitContext<'_>) -> Result<(Series, Settings), Error> {
     let pairs = scene.pairs();
-    let mut stops = Stops::new(scene.stops, 1.0, scene.period);
+    let mut stops = StopOperators::new(scene.stops, 1.0, scene.period);
     if scene.learning.features == FeatureChoice::Rate {
         stops = stops.rated(1.0);
     }
-    let features = Features::Stops(stops);
+    let features = Features::StopOperators(stops);
     let frame = Frame::new(features, scene.command, scene.position, Recipe::Standardised, &pairs);
     let (selection, seek) =
         scene.learning.selection.unwrap_or((Selection::CrossValidation(5), Seek::Grid));
@@ -88,7 +88,7 @@ fn selected(scene: &Scene<'_>) -> Result<(Series, Settings), Error> {
     Ok((Series { machine, linear: none() }, found.settings))
 }
 
-fn together(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<Option<(Series, Settings)>, Error> {
+fn together(scene: &FitContext<'_>, runs: &[Run<'_>]) -> Result<Option<(Series, Settings)>, Error> {
     let (frame, group) = framed(scene);
     let widths = Widths {
         group: &group,
@@ -101,7 +101,7 @@ fn together(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<Option<(Series, Setti
     Ok(found.map(|(series, found)| (series, found.settings)))
 }
 
-fn in_turn(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<(Series, Settings), Error> {
+fn in_turn(scene: &FitContext<'_>, runs: &[Run<'_>]) -> Result<(Series, Settings), Error> {
     let (frame, group) = framed(scene);
     let widths = Widths {
         group: &group,
@@ -115,10 +115,10 @@ fn in_turn(scene: &Scene<'_>, runs: &[Run<'_>]) -> Result<(Series, Settings), Er
 }
 
 /// The frame, and the group of each input: stops, command.
-fn framed(scene: &Scene<'_>) -> (Frame, impl Fn(usize) -> usize + use<>) {
+fn framed(scene: &FitContext<'_>) -> (Frame, impl Fn(usize) -> usize + use<>) {
     let pairs = scene.pairs();
-    let stops = Stops::new(scene.stops, 1.0, scene.period);
-    let features = Features::Stops(stops);
+    let stops = StopOperators::new(scene.stops, 1.0, scene.period);
+    let features = Features::StopOperators(stops);
     let frame = Frame::new(features, scene.command, scene.position, Recipe::Plain, &pairs);
     let count = scene.stops;
     (frame.on_a_line(&pairs), move |input| usize::from(input >= count))

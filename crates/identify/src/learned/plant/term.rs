@@ -21,7 +21,7 @@ use model::Table;
 
 use super::super::series::rows;
 use super::super::{BOUNDS, Run, Seek, Selection, Span, rms_difference, sought};
-use super::{CENTRES, Learned, SAMPLES, Scene, Stage, failed};
+use super::{CENTRES, FitContext, Learned, SAMPLES, Stage, failed};
 use crate::error::Error;
 use crate::settings::FeatureChoice;
 
@@ -32,7 +32,7 @@ const TRIED: usize = 600;
 
 /// Its plant; the table is that of the file `name`.
 pub(super) fn learn(
-    scene: &Scene<'_>,
+    scene: &FitContext<'_>,
     name: &str,
     stage: &mut Stage<'_>,
 ) -> Result<Learned, Error> {
@@ -41,7 +41,7 @@ pub(super) fn learn(
         FeatureChoice::Position => Signals::Position,
         _ => Signals::Both,
     };
-    let lesson = Lesson::of(scene, signals)?;
+    let lesson = TrainingSet::of(scene, signals)?;
     stage(0, 2)?;
     let (selection, seek) = scene.learning.selection.unwrap_or((Selection::HeldOut, Seek::Grid));
     let settings = lesson.settings(selection, seek)?;
@@ -54,14 +54,14 @@ pub(super) fn learn(
 }
 
 /// The line, the inputs, and the samples of the records.
-struct Lesson<'a> {
+struct TrainingSet<'a> {
     runs: &'a [Run<'a>],
     term: Term,
     samples: Samples,
 }
 
-impl<'a> Lesson<'a> {
-    fn of(scene: &Scene<'a>, signals: Signals) -> Result<Self, Error> {
+impl<'a> TrainingSet<'a> {
+    fn of(scene: &FitContext<'a>, signals: Signals) -> Result<Self, Error> {
         let runs = scene.runs;
         let (gain, offset) = line(runs).ok_or_else(|| {
             let message = "the command moves the position by nothing on a straight line, beside which the term stands; \

@@ -2,9 +2,9 @@
 
 use data::{Blueprint, ComponentBlueprint, Value};
 use identify::learned::{
-    Arx, Frame, GREATEST_GAMMA, Machine, Recipe, Rehearsal, Span, Waves, rms_difference, weigh,
+    Arx, Frame, GREATEST_GAMMA, Machine, Recipe, Span, SyntheticData, Waves, rms_difference, weigh,
 };
-use learned::features::{Features, Stops};
+use learned::features::{Features, StopOperators};
 
 /// Adds the table of an inverse to a blueprint, and gives its component. Its commands and positions are those
 /// of the machine, from output and input.
@@ -25,7 +25,7 @@ pub(super) fn learned_inverse(
 /// An inverse over stop operators: what it is to know, and where the search for its widths begins.
 pub(super) struct Wanted<'a> {
     /// Its range becomes that of the forward model's answers.
-    pub(super) stops: Stops,
+    pub(super) stops: StopOperators,
     /// The component holds its command within twice this span.
     pub(super) span: Span,
     pub(super) waves: Waves,
@@ -47,14 +47,14 @@ pub(super) fn hysteresis_inverse(
     wanted: &Wanted<'_>,
 ) -> anyhow::Result<Machine> {
     let simulate = |u: &[f64]| forward.simulate(u, start);
-    let rehearsal = Rehearsal::new(measured, Some(wanted.waves), simulate)?;
-    let pairs = rehearsal.pairs();
+    let synthetic = SyntheticData::new(measured, Some(wanted.waves), simulate)?;
+    let pairs = synthetic.pairs();
     let range = pairs.iter().flat_map(|(h, _)| *h).fold(0.0_f64, |top, h| top.max(h.abs()));
-    let features = Features::Stops(Stops { range, ..wanted.stops.clone() });
+    let features = Features::StopOperators(StopOperators { range, ..wanted.stops.clone() });
     let frame = Frame::new(features, Span::UNIT, wanted.span, Recipe::Plain, &pairs);
     let frame = frame.on_a_line(&pairs);
     let found = weigh(&frame, &pairs, wanted.group, wanted.begin, SEARCH, GREATEST_GAMMA)?;
-    let samples = rehearsal.samples(&found.frame, 1, EVERY)?;
+    let samples = synthetic.samples(&found.frame, 1, EVERY)?;
     Ok(Machine::train_on(found.frame, &samples, found.settings)?.0)
 }
 

@@ -7,7 +7,7 @@ use data::{Blueprint, ComponentBlueprint};
 use identify::learned::{
     Arx, Frame, Machine, Recipe, Run, SEED, Seek, Series, Span, Teaches, Waves, rms_difference,
 };
-use learned::features::{Features, Narx, Stops};
+use learned::features::{Features, Narx, StopOperators};
 use learned::lssvm::Settings;
 use model::Kind;
 
@@ -425,7 +425,7 @@ fn observed(inverse: &[ComponentBlueprint]) -> Vec<ComponentBlueprint> {
 fn inverted(forward: &Series, runs: &[Run<'_>]) -> anyhow::Result<(Machine, Arx)> {
     let commands: Vec<&[f64]> = runs.iter().map(|run| run.command).collect();
     let wanted = Wanted {
-        stops: Stops::new(STOPS, 0.0, PERIOD),
+        stops: StopOperators::new(STOPS, 0.0, PERIOD),
         span: Span { low: 0.0, high: GREATEST },
         waves: WAVES,
         group: &is_command,

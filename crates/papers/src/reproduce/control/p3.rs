@@ -8,7 +8,7 @@ use anyhow::Context;
 use control::Gains;
 use data::{Blueprint, ComponentBlueprint};
 use identify::learned::{Frame, Machine, Recipe, SEED, Search, Span, Waves, rms_difference};
-use learned::features::{Derivatives, Features, Stops};
+use learned::features::{Derivatives, Features, StopOperators};
 use model::Kind;
 
 use self::printed::{Printed, TESTS, Test};
@@ -87,7 +87,7 @@ const AHEAD: usize = 6;
 fn of_stops(chirp: &Response, tables: &mut Blueprint) -> anyhow::Result<(Inverse, String)> {
     let (forward, _) = series(chirp)?;
     let wanted = Wanted {
-        stops: Stops::new(COUNT, 0.0, PERIOD).rated(RATE),
+        stops: StopOperators::new(COUNT, 0.0, PERIOD).rated(RATE),
         span: Span { low: 0.0, high: 2.0 },
         waves: WAVES,
         group: &group,

@@ -5,7 +5,7 @@ use identify::learned::{
     Arx, Frame, GREATEST_GAMMA, Machine, Recipe, Selection, Series, Span, Teaches, Turns, held_out,
     weigh,
 };
-use learned::features::{Features, Narx, Stops};
+use learned::features::{Features, Narx, StopOperators};
 use learned::lssvm::Settings;
 
 use super::super::{Aim, Reproduction, Row};
@@ -138,8 +138,8 @@ pub(in crate::reproduce) fn stops(
     pairs: &[(&[f64], &[f64])],
     [command, output]: [Span; 2],
 ) -> anyhow::Result<(Frame, Settings)> {
-    let stops = Stops::new(COUNT, 1.0, PERIOD);
-    let frame = Frame::new(Features::Stops(stops), command, output, Recipe::Plain, pairs);
+    let stops = StopOperators::new(COUNT, 1.0, PERIOD);
+    let frame = Frame::new(Features::StopOperators(stops), command, output, Recipe::Plain, pairs);
     let group = |input: usize| usize::from(input >= COUNT);
     let found = weigh(&frame, pairs, &group, (&[10.0, 0.3], 1e4), (60, 800), GREATEST_GAMMA)?;
     Ok((found.frame, found.settings))

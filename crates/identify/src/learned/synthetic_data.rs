@@ -65,13 +65,13 @@ impl Waves {
 /// The forward model's answers as inputs, the commands as outputs: all rows of what was measured, and every
 /// few of the waves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rehearsal {
+pub struct SyntheticData {
     commands: Vec<Vec<f64>>,
     answers: Vec<Vec<f64>>,
     measured: usize,
 }
 
-impl Rehearsal {
+impl SyntheticData {
     /// The answers of `forward` to the measured commands and to the waves.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ const LOOKS: u64 = 4;
 
 /// A runner and a machine in virtual time.
 #[derive(Debug)]
-pub struct Rehearsal {
+pub struct VirtualRun {
     /// The runner.
     pub cycle: Cycle,
     /// The machine.
@@ -34,12 +34,12 @@ pub struct Ended {
     pub at_rest: u64,
 }
 
-impl Rehearsal {
+impl VirtualRun {
     /// Puts a runner and a machine together.
     #[must_use]
     pub fn new(cycle: Cycle, emulator: Emulator, period_ns: u64) -> Self {
         let (runner_end, machine_end) = pair();
-        Rehearsal { cycle, emulator, period_ns, runner_end, machine_end, next: 0, record: None }
+        VirtualRun { cycle, emulator, period_ns, runner_end, machine_end, next: 0, record: None }
     }
 
     /// Keeps its rows from the first cycle that is not idle, as `bench run` does.
@@ -107,7 +107,7 @@ impl Rehearsal {
     pub fn run(
         &mut self,
         most: u64,
-        mut each: impl FnMut(&Rehearsal, Memory) -> Orders,
+        mut each: impl FnMut(&VirtualRun, Memory) -> Orders,
     ) -> Result<Ended, PlantError> {
         let mut orders = Orders::default();
         let mut entered = (self.cycle.memory(), self.next);
