@@ -84,7 +84,7 @@ pub struct DampingFigures {
     pub settling: f64,
     /// The longest of these over the slopes of the hysteresis.
     pub longest_settling: f64,
-    /// The same times of PI with a notch that keeps the same limits on the same plants.
+    /// Settling times of PI with a notch that keeps the same limits on the same plants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub notch_settling: Option<(f64, f64)>,
     /// Greatest response to a disturbance of the command, |G·S|, over that at rest at the steepest slope, all plants.

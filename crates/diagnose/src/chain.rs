@@ -38,7 +38,7 @@ pub(crate) struct ComponentNode {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Acting {
     pub(crate) force: Force,
-    /// Its first parameter.
+    /// Number of the first parameter of the force.
     pub(crate) first: usize,
     /// The far end of the range.
     pub(crate) far: f64,

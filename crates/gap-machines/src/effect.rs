@@ -5,7 +5,7 @@
 pub enum Formula {
     /// The textbook's.
     Standard,
-    /// Another one of the same physics.
+    /// Another formula of the same physics.
     Other,
 }
 

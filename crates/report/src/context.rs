@@ -220,7 +220,7 @@ impl Report {
     /// Writes the JSON, complete or not at all.
     ///
     /// # Errors
-    /// Those of [`Report::to_json`], and [`ReportError::Write`].
+    /// [`Report::to_json`] fails, or [`ReportError::Write`].
     pub fn write_json(&self, path: impl AsRef<Path>) -> Result<(), ReportError> {
         write::complete(path.as_ref(), &self.to_json()?)
     }

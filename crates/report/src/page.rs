@@ -54,7 +54,7 @@ impl Report {
     /// Writes the page, complete or not at all.
     ///
     /// # Errors
-    /// Those of [`Report::to_html`], and [`ReportError::Write`].
+    /// [`Report::to_html`] fails, or [`ReportError::Write`].
     pub fn write_html(&self, path: impl AsRef<Path>) -> Result<(), ReportError> {
         write::complete(path.as_ref(), &self.to_html()?)
     }

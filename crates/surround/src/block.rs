@@ -250,14 +250,14 @@ pub enum Block {
         /// Value of the signal that changes nothing.
         zero: f64,
     },
-    /// As `Auxiliary`, through a first-order lag: a, bandwidth in Hz.
+    /// `x + a·lag(s)` of an auxiliary signal s: a, bandwidth of the lag in Hz.
     LaggedAuxiliary {
         /// Range of the signal over that of the path.
         scale: f64,
         /// Value of the signal that changes nothing.
         zero: f64,
     },
-    /// As `LaggedAuxiliary`, through a mode: a, frequency in Hz, damping.
+    /// `x + a·M[s]` of an auxiliary signal s with a mode M: a, frequency in Hz, damping.
     ModalAuxiliary {
         /// Range of the signal over that of the path.
         scale: f64,

@@ -41,7 +41,7 @@ impl Force {
     fn parts(self, angle: f64) -> u8 {
         /// Greatest angle of a part with a smooth force.
         const SMOOTH: f64 = 0.4;
-        /// As `SMOOTH`, with friction.
+        /// Greatest angle of a part with friction.
         const FRICTION: f64 = 0.25;
         let (greatest, most) = if self.is_smooth() { (SMOOTH, 64.0) } else { (FRICTION, 3.0) };
         (angle / greatest).ceil().clamp(1.0, most) as u8

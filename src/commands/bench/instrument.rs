@@ -29,7 +29,7 @@ impl Kind {
     /// All that can be emulated.
     pub(super) const ALL: [Self; 2] = [Self::Gcs, Self::Nv200];
 
-    /// That of the addresses of a protocol.
+    /// The instrument of the addresses of a protocol.
     pub(super) fn of(protocol: &gateway::Protocol) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.named().0 == protocol.scheme)
     }

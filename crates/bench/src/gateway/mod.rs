@@ -82,9 +82,9 @@ pub trait Gateway {
 /// Which end of a gateway is opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// That of the runner.
+    /// The end of the runner.
     Runner,
-    /// That of the machine.
+    /// The end of the machine.
     Machine,
 }
 

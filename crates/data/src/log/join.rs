@@ -7,9 +7,9 @@ use crate::{Problem, Problems, counted};
 /// Onto which uniform times a log is brought.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Resample {
-    /// Those of the group with the shortest sample time.
+    /// The times of the group with the shortest sample time.
     Fastest,
-    /// Those of this rate in Hz.
+    /// Times at this rate in Hz.
     Rate(f64),
 }
 

@@ -15,7 +15,7 @@ const LONG: u128 = 1 << 49;
 pub(super) struct Base(i128);
 
 impl Base {
-    /// That of times of which the first one is this: none where doubles have digits enough.
+    /// The base of times that begin with this one: none where doubles have digits enough.
     pub(super) fn of(first: i128) -> Self {
         if first.unsigned_abs() >= LONG { Self(first) } else { Self::default() }
     }

@@ -51,7 +51,7 @@ struct Others {
 #[derive(Clone)]
 pub(crate) struct OtherWay {
     pub(crate) axis: usize,
-    /// Its number among the other inputs of the data.
+    /// Number of the axis among the other inputs of the data.
     pub(crate) place: usize,
     pub(crate) front: Front,
     pub(crate) way: ComponentNode,
@@ -283,7 +283,7 @@ impl Front {
         Some(Self { chain: Chain { nodes, ..chain.clone() }, theta: theta.to_vec() })
     }
 
-    /// Its values.
+    /// Values of the parameters of the chain.
     pub(crate) fn values(&self) -> &[f64] {
         &self.theta
     }

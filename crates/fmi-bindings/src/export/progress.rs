@@ -26,7 +26,7 @@ pub(super) struct Experiment {
 }
 
 impl Progress {
-    /// That of an instance right after instantiation.
+    /// The progress of an instance right after instantiation.
     pub(super) const NEW: Self = Self {
         phase: Phase::Instantiated,
         stale: true,

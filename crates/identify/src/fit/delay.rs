@@ -37,7 +37,7 @@ const NARROWING: usize = 24;
 /// is called with what is done and the total.
 ///
 /// # Errors
-/// Those of [`Operator::solve`].
+/// [`Operator::solve`] has no solution.
 pub(crate) fn search(
     operator: &Operator<'_>,
     longest: f64,

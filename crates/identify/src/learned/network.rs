@@ -107,7 +107,7 @@ const SCALARS: [&str; 8] = [
 const BEYOND: f64 = 1.5;
 
 impl Plays {
-    /// Those of a chain of `curved-prandtl-ishlinskii`.
+    /// The plays of a chain of `curved-prandtl-ishlinskii`.
     pub(crate) fn of(chain: &Chain) -> Option<Self> {
         let [bend, plays, creep] = &chain.hysteresis[..] else { return None };
         let [curve] = &chain.reading[..] else { return None };

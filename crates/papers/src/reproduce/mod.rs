@@ -28,7 +28,7 @@ pub struct Row {
     pub unit: &'static str,
     /// The paper's number; not a number where it prints none.
     pub paper: f64,
-    /// That of the paper's own method on our machine; not a number in a row of one of our ways alone.
+    /// The number of the paper's own method on our machine; not a number in a row of one of our ways alone.
     pub own: f64,
     /// The best of this project's own ways.
     pub ours: Option<f64>,

@@ -63,7 +63,7 @@ pub struct Instance {
     pub(super) states: States,
     log: Arc<Log>,
     folder: Folder,
-    /// That of the thread when the instance was made. Gets and sets, which are not looked after one
+    /// The mode of the thread when the instance was created. Gets and sets, which are not looked after one
     /// by one, are found out by the next step.
     mode: FloatMode,
     token: Token,
