@@ -242,9 +242,7 @@ fn bytes_with_a_good_checksum_and_a_bad_content_are_refused() {
     let good = fmu.bytes(fmu.save());
     let sealed = |mut bytes: Vec<u8>| {
         let body = bytes.len() - 8;
-        let sum = bytes[..body].iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        });
+        let sum = model::fnv_64(bytes[..body].iter().copied());
         bytes[body..].copy_from_slice(&sum.to_le_bytes());
         bytes
     };

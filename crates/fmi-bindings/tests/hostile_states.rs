@@ -22,13 +22,6 @@ use support::{Fmu, Random, plant};
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// FNV-1a, 64 bit, as the states have it.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
-}
-
 const NUMBERS: [u64; 8] = [
     0,
     1,
@@ -67,7 +60,7 @@ fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
             bytes[12..20].copy_from_slice(&length);
         }
         let end = bytes.len() - 8;
-        let sum = checksum(&bytes[..end]).to_le_bytes();
+        let sum = model::fnv_64(bytes[..end].iter().copied()).to_le_bytes();
         bytes[end..].copy_from_slice(&sum);
     }
     bytes

@@ -165,9 +165,7 @@ fn run(program: &Path, runner: &[String], arguments: &[&Path]) -> String {
 }
 
 fn hash(values: &[f64]) -> u64 {
-    values.iter().fold(0xcbf2_9ce4_8422_2325, |hash, value| {
-        (hash ^ value.to_bits()).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    model::fnv_64(values.iter().map(|value| value.to_bits()))
 }
 
 /// The standard's headers, which fmpy in the tests' Python environment carries.

@@ -63,7 +63,7 @@ pub(super) fn to_bytes(snapshot: &Snapshot, fingerprint: &str) -> Vec<u8> {
     }
     bytes.extend_from_slice(&snapshot.past.to_bytes());
     bytes.extend_from_slice(&snapshot.context.to_bytes());
-    let sum = checksum(bytes.iter().copied());
+    let sum = model::fnv_64(bytes.iter().copied());
     bytes.extend_from_slice(&sum.to_le_bytes());
     bytes
 }
@@ -101,7 +101,7 @@ pub(super) fn from_bytes(
             bytes.len()
         ));
     };
-    if checksum(body.iter().copied()) != u64::from_le_bytes(*sum) {
+    if model::fnv_64(body.iter().copied()) != u64::from_le_bytes(*sum) {
         return Err("the serialised state is damaged: its checksum is wrong".into());
     }
     let written = reader.take(fingerprint.len()).unwrap_or_default();
@@ -153,23 +153,5 @@ impl<'a> Reader<'a> {
         let past = like.past.with_bytes(self.take(like.past.byte_len())?)?;
         let context = like.context.with_bytes(self.bytes).ok()?;
         Some(Snapshot { progress, slopes, past, context })
-    }
-}
-
-/// FNV-1a, 64 bit.
-pub(super) fn checksum(bytes: impl Iterator<Item = u8>) -> u64 {
-    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::checksum;
-
-    #[test]
-    fn the_checksum_is_the_published_one() {
-        assert_eq!(checksum(std::iter::empty()), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(checksum(b"foobar".iter().copied()), 0x8594_4171_f739_67e8);
     }
 }

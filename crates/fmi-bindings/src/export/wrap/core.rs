@@ -8,7 +8,6 @@ use crate::export::Phase;
 use crate::export::guard::{self, Guarded};
 use crate::export::log::Sink;
 use crate::export::notice::{Notice, Status};
-use crate::export::saved::checksum;
 
 /// Status of a call as a number; both versions count alike, and the original may return others than [`Status`].
 pub(super) type Code = u32;
@@ -426,7 +425,7 @@ impl EffectState {
 
 /// Checksum of the FMU's token and the bytes.
 fn sum(token: &str, bytes: &[u8]) -> u64 {
-    checksum(token.bytes().chain(bytes.iter().copied()))
+    model::fnv_64(token.bytes().chain(bytes.iter().copied()))
 }
 
 #[cfg(test)]
