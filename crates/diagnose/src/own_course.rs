@@ -17,7 +17,7 @@
 use std::ops::Range;
 use std::sync::atomic::AtomicU64;
 
-use components::hysteresis::play::play;
+use components::hysteresis::play::{Drive, Threshold, play};
 use nalgebra::{DMatrix, DVector};
 
 use crate::candidate::Candidate;
@@ -140,7 +140,7 @@ fn functions(data: &DataSet, rows: Range<usize>) -> DMatrix<f64> {
         for half in Thresholds::COURSE_PLAYS {
             let mut last = u[0];
             columns.push(means(u.iter().map(|x| {
-                last = play(*x, half, last);
+                last = play(Drive(*x), Threshold(half), last);
                 last
             })));
         }
@@ -205,7 +205,7 @@ mod tests {
         let plays = |u: &[f64], _: usize, _: &mut XorshiftStar64| {
             let mut last = u[0];
             let mut follow = |u: &f64| {
-                last = play(*u, 0.5, last);
+                last = play(Drive(*u), Threshold(0.5), last);
                 10.0 * (u - last)
             };
             u.iter().map(&mut follow).collect::<Vec<_>>()

@@ -4,7 +4,7 @@
 //! A signal is one value per hit of the grid; value 0 is the rest value, value n is held over hit n. Quantities
 //! are SI.
 
-use components::hysteresis::play::play;
+use components::hysteresis::play::{Drive, Threshold, play};
 use components::linear::lag_fraction;
 use surround::{Block, Kernel, Memory, Signals, WrongCount, exactly};
 
@@ -173,11 +173,11 @@ fn start_memory(memory: &Memory, place: f64, signals: Signals<'_>, out: &mut [f6
     let Some(&first) = signals.drive.first() else { return };
     for (r, weight) in memory.r.iter().zip(&memory.w) {
         // As the model has it, and as the machine does.
-        let mut virgin = play(first, *r, 0.0);
+        let mut virgin = play(Drive(first), Threshold(*r), 0.0);
         let mut real = first + place * r;
         for (y, u) in out.iter_mut().zip(signals.drive) {
-            virgin = play(*u, *r, virgin);
-            real = play(*u, *r, real);
+            virgin = play(Drive(*u), Threshold(*r), virgin);
+            real = play(Drive(*u), Threshold(*r), real);
             *y += weight * (real - virgin);
             if virgin == real {
                 break;

@@ -135,7 +135,7 @@ fn beginning(operator: &Operator<'_>, index: usize, solved: &Solved) -> Result<B
 mod tests {
     use super::*;
     use crate::record::Columns;
-    use components::hysteresis::play::play;
+    use components::hysteresis::play::{Drive, Threshold, play};
 
     const PERIOD: f64 = 1e-3;
     const THRESHOLDS: [f64; 4] = [0.0, 4.0, 10.0, 20.0];
@@ -143,12 +143,13 @@ mod tests {
 
     /// What a machine of plays answers that rested at `rest`.
     fn answers(input: &[f64], rest: f64, thresholds: &[f64], weights: &[f64]) -> Vec<f64> {
-        let mut plays: Vec<f64> = thresholds.iter().map(|r| play(rest, *r, 0.0)).collect();
+        let mut plays: Vec<f64> =
+            thresholds.iter().map(|r| play(Drive(rest), Threshold(*r), 0.0)).collect();
         let mut held = rest;
         let mut answer = |u: &f64| {
             let mut y = 0.0;
             for ((p, r), w) in plays.iter_mut().zip(thresholds).zip(weights) {
-                *p = play(held, *r, *p);
+                *p = play(Drive(held), Threshold(*r), *p);
                 y += w * *p;
             }
             held = *u;

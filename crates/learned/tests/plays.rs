@@ -1,6 +1,6 @@
 //! Plays between two curves with a network over their states: equation, bounds, inverse, what is refused.
 
-use components::hysteresis::play::play;
+use components::hysteresis::play::{Drive, Threshold, play};
 use learned::COMPONENTS;
 use learned::plays::{INPUTS, LearnedPlays, unit, unit_slope};
 use model::{Component, Sizes, Tick, Violation};
@@ -96,7 +96,7 @@ fn is_the_chain(activation: f64, sigma: impl Fn(f64) -> f64) {
         let y = if k == 0 { model.rest(u) } else { model.step(u) };
         let place = ((u - 50.0) / 50.0).clamp(-1.5, 1.5);
         let bent = 50.0 + 50.0 * place + 50.0 * 0.1 * place * place;
-        plays.iter_mut().zip(r).for_each(|(p, r)| *p = play(bent, *r, *p));
+        plays.iter_mut().zip(r).for_each(|(p, r)| *p = play(Drive(bent), Threshold(*r), *p));
         let h = 0.5 + w.iter().zip(&plays).map(|(w, p)| w * p).sum::<f64>();
         let moved = |z: [f64; 2]| {
             let part = |time: f64| 1.0 - (-PERIOD / time).exp();
@@ -231,7 +231,7 @@ fn groups_that_are_filled_up_to_fours_add_nothing() {
             let y = if k == 0 { model.rest(u) } else { model.step(u) };
             let place = ((u - 50.0) / 50.0).clamp(-1.5, 1.5);
             let bent = 50.0 + 50.0 * (place + 0.1 * place * place);
-            states.iter_mut().zip(&r).for_each(|(p, r)| *p = play(bent, *r, *p));
+            states.iter_mut().zip(&r).for_each(|(p, r)| *p = play(Drive(bent), Threshold(*r), *p));
             let h = 0.5 + w.iter().zip(&states).map(|(w, p)| w * p).sum::<f64>();
             let part = if k == 0 { 1.0 } else { 1.0 - (-PERIOD / 0.05).exp() };
             z.iter_mut().for_each(|z| *z += part * (h - *z));

@@ -1,6 +1,6 @@
 //! Plays, and what else remembers the drive whatever its rate.
 
-use components::hysteresis::play::{between, play};
+use components::hysteresis::play::{Drive, Threshold, between, play};
 
 use crate::kernel::{Bank, Step, Wires};
 use crate::span::Span;
@@ -30,7 +30,7 @@ impl Bank<0, 1> for Plays {
 
     #[inline]
     fn add((r, weight): &(f64, f64), u: f64, [z]: &mut [f64; 1]) -> f64 {
-        *z = play(u, *r, *z);
+        *z = play(Drive(u), Threshold(*r), *z);
         weight * (*z - u)
     }
 }
@@ -53,7 +53,7 @@ impl Bank<0, 1> for SkewedPlays {
 
     #[inline]
     fn add((r, weight): &(f64, f64), (u, place): (f64, f64), [z]: &mut [f64; 1]) -> f64 {
-        *z = play(u, *r, *z);
+        *z = play(Drive(u), Threshold(*r), *z);
         weight * (*z - u) * place
     }
 }
@@ -82,8 +82,8 @@ impl Bank<0, 2> for CurvedPlays {
         [bent, straight]: &mut [f64; 2],
     ) -> f64 {
         // The loop is wider at one end of the range and narrower at the other.
-        *bent = play(u, (r + r * bend).max(0.0), *bent);
-        *straight = play(u, *r, *straight);
+        *bent = play(Drive(u), Threshold((r + r * bend).max(0.0)), *bent);
+        *straight = play(Drive(u), Threshold(*r), *straight);
         weight * (*bent - *straight)
     }
 }
@@ -117,7 +117,7 @@ impl Bank<0, 2> for BentPlays {
         [bent, straight]: &mut [f64; 2],
     ) -> f64 {
         *bent = between(low - r, high + r, *bent);
-        *straight = play(u, *r, *straight);
+        *straight = play(Drive(u), Threshold(*r), *straight);
         weight * (*bent - *straight)
     }
 }
@@ -137,7 +137,7 @@ impl GeneralisedPlay {
         let [constant, linear, square] = self.width;
         let place = self.span.unit(w.drive);
         let width = self.span.half * (constant + place * (linear + place * square)).max(0.0);
-        *z = play(w.drive, width, *z);
+        *z = play(Drive(w.drive), Threshold(width), *z);
         w.x + self.weight * (*z - w.drive)
     }
 }

@@ -1,7 +1,7 @@
 //! Plays that go with the rate of the drive. Each bank adds `Σ w·(P′[v] − P_r[v])`: what the plays do with the
 //! rate less what those inside the original do without it.
 
-use components::hysteresis::play::play;
+use components::hysteresis::play::{Drive, Threshold, play};
 use components::linear::approach;
 use serde::{Deserialize, Serialize};
 
@@ -31,8 +31,8 @@ impl Growth {
 /// Moves the changed play and the plain one, and returns what they differ by.
 #[inline]
 fn two(weight: f64, r: f64, u: f64, [changed, plain]: &mut [f64; 2], wide: f64) -> f64 {
-    *changed = play(u, wide, *changed);
-    *plain = play(u, r, *plain);
+    *changed = play(Drive(u), Threshold(wide), *changed);
+    *plain = play(Drive(u), Threshold(r), *plain);
     weight * (*changed - *plain)
 }
 
@@ -139,7 +139,7 @@ impl Bank<2, 1> for RateMemory {
 
     #[inline]
     fn add((r, weight): &(f64, f64), (u, factor): (f64, f64), [z]: &mut [f64; 1]) -> f64 {
-        *z = play(u, *r, *z);
+        *z = play(Drive(u), Threshold(*r), *z);
         weight * (*z - u) * factor
     }
 }

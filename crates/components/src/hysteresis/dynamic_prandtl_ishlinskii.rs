@@ -31,7 +31,7 @@ use model::{
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
-use super::play::{Plays, play};
+use super::play::{Drive, Plays, Threshold, play};
 use super::prandtl_ishlinskii::{OFFSET, PLAYS, R, W, check_invertible, check_plays};
 use super::rate;
 use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN};
@@ -215,7 +215,7 @@ impl Forward for DynamicPrandtlIshlinskii {
         let Some(parts) = split(coefficients) else { return 0.0 };
         let phi = parts.weight(rates[0], rates[1]);
         let terms = state.iter().zip(parts.plays.r).zip(parts.plays.w);
-        terms.fold(parts.offset, |y, ((p, r), w)| y + (w + phi) * play(u, *r, *p))
+        terms.fold(parts.offset, |y, ((p, r), w)| y + (w + phi) * play(Drive(u), Threshold(*r), *p))
     }
 
     fn mean_slope(&self, coefficients: &[f64], limits: [f64; 2]) -> f64 {
@@ -286,7 +286,7 @@ mod tests {
             let phi = alpha[segment - 1] * rate + beta[segment - 1] * acceleration;
             let mut y = 0.3;
             for i in 0..3 {
-                plays[i] = play(*u, R3[i], plays[i]);
+                plays[i] = play(Drive(*u), Threshold(R3[i]), plays[i]);
                 y += (W3[i] + phi) * plays[i];
             }
             assert!((model.step(&[*u]) - y).abs() < 1e-12, "segment {segment}");
@@ -331,7 +331,7 @@ mod tests {
             let first = inverse.rest(&[wanted(0)]);
             forward.rest(&[first]);
             for (play_i, r) in plays.iter_mut().zip(R3) {
-                *play_i = play(first, r, 0.0);
+                *play_i = play(Drive(first), Threshold(r), 0.0);
             }
             let model = Parts {
                 plays: Plays { r: &R3, w: &W3 },
@@ -350,7 +350,7 @@ mod tests {
                 let taken = model.weight(estimate, (estimate - estimated) / period);
                 (last, last_rate, estimated) = (u, rate, estimate);
                 for (play_i, r) in plays.iter_mut().zip(R3) {
-                    *play_i = play(u, r, *play_i);
+                    *play_i = play(Drive(u), Threshold(r), *play_i);
                 }
                 let expected = (phi - taken) * plays.iter().sum::<f64>();
                 assert!((left - expected).abs() < 1e-9, "{frequency} Hz: {left} {expected}");

@@ -7,17 +7,29 @@
 //! Modeling, identification and compensation of complex hysteretic nonlinearities, European Journal
 //! of Control 9 (2003) 407–418.
 
-/// The play of threshold `r` after its input went monotonically to `u`.
+/// What a play follows.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive(pub f64);
+
+/// By how much the input of a stop changes.
+#[derive(Clone, Copy, Debug)]
+pub struct Change(pub f64);
+
+/// Half the width of a play, r ≥ 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Threshold(pub f64);
+
+/// A play, from its previous value, after its input went monotonically to another.
 #[inline]
 #[must_use]
-pub fn play(u: f64, r: f64, previous: f64) -> f64 {
+pub fn play(Drive(u): Drive, Threshold(r): Threshold, previous: f64) -> f64 {
     between(u - r, u + r, previous)
 }
 
-/// The stop of threshold `r` after its input went monotonically by `change`.
+/// A stop, from its previous value, after its input went monotonically by a change.
 #[inline]
 #[must_use]
-pub fn stop(change: f64, r: f64, previous: f64) -> f64 {
+pub fn stop(Change(change): Change, Threshold(r): Threshold, previous: f64) -> f64 {
     between(-r, r, previous + change)
 }
 
@@ -64,12 +76,12 @@ impl Plays<'_> {
         let (w, last_w) = self.w[..count].as_chunks::<2>();
         let mut sum = 0.0;
         for ((p, r), w) in p.iter_mut().zip(r).zip(w) {
-            *p = [play(u, r[0], p[0]), play(u, r[1], p[1])];
+            *p = [play(Drive(u), Threshold(r[0]), p[0]), play(Drive(u), Threshold(r[1]), p[1])];
             sum += w[0] * p[0];
             sum += w[1] * p[1];
         }
         if let ([p], [r], [w]) = (last_p, last_r, last_w) {
-            *p = play(u, *r, *p);
+            *p = play(Drive(u), Threshold(*r), *p);
             sum += w * *p;
         }
         sum
@@ -115,7 +127,7 @@ mod tests {
         signal
             .iter()
             .map(|u| {
-                p = play(*u, r, p);
+                p = play(Drive(*u), Threshold(r), p);
                 p
             })
             .collect()
@@ -142,7 +154,7 @@ mod tests {
             for u in random.signal(-2.0, 2.0, 500) {
                 let mut sum = 0.0;
                 for ((p, r), w) in single.iter_mut().zip(&r).zip(&w) {
-                    *p = play(u, *r, *p);
+                    *p = play(Drive(u), Threshold(*r), *p);
                     sum += w * *p;
                 }
                 assert_eq!(plays.step(u, &mut pairs).to_bits(), sum.to_bits(), "{count} plays");
@@ -156,8 +168,8 @@ mod tests {
         let signal = Random::new(7).signal(-2.0, 2.0, 2000);
         let (mut p, mut e, mut last) = (0.0, 0.0, 0.0);
         for u in signal {
-            p = play(u, 0.6, p);
-            e = stop(u - last, 0.6, e);
+            p = play(Drive(u), Threshold(0.6), p);
+            e = stop(Change(u - last), Threshold(0.6), e);
             last = u;
             assert!((e - (u - p)).abs() < 1e-12, "u {u}: stop {e}, play {p}");
         }

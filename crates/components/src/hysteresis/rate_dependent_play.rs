@@ -21,7 +21,7 @@ use model::{
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
-use super::play::{Plays, play};
+use super::play::{Drive, Plays, Threshold, play};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
 use super::rate;
 use crate::effects;
@@ -92,7 +92,7 @@ fn split(coefficients: &[f64]) -> Option<(Plays<'_>, [f64; 4])> {
 pub(super) fn widened(plays: Plays<'_>, u: f64, wider: f64, state: &mut [f64]) -> f64 {
     let mut sum = 0.0;
     for ((p, r), w) in state.iter_mut().zip(plays.r).zip(plays.w) {
-        *p = play(u, r + wider, *p);
+        *p = play(Drive(u), Threshold(r + wider), *p);
         sum += w * *p;
     }
     sum
@@ -102,7 +102,7 @@ pub(super) fn widened(plays: Plays<'_>, u: f64, wider: f64, state: &mut [f64]) -
 #[inline]
 pub(super) fn widened_frozen(plays: Plays<'_>, u: f64, wider: f64, state: &[f64]) -> f64 {
     let terms = state.iter().zip(plays.r).zip(plays.w);
-    terms.fold(0.0, |sum, ((p, r), w)| sum + w * play(u, r + wider, *p))
+    terms.fold(0.0, |sum, ((p, r), w)| sum + w * play(Drive(u), Threshold(r + wider), *p))
 }
 
 static FIT: Fit = Fit {

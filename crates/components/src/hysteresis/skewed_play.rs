@@ -24,7 +24,7 @@ use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
 
-use super::play::{Plays, play};
+use super::play::{Drive, Plays, Threshold, play};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
@@ -117,7 +117,7 @@ fn advance(coefficients: &[f64], u: f64, state: &mut [f64]) -> Option<f64> {
     let skewed = own.iter().zip(skew).fold(0.0, |sum, (p, v)| sum + v * (p - u));
     let [width, growth, curvature] = s.width;
     let width = s.half * fmax(width + place * (growth + place * curvature), 0.0);
-    *wide = play(u, width, *wide);
+    *wide = play(Drive(u), Threshold(width), *wide);
     Some(s.offset + sum + place * skewed + s.weight * (*wide - u))
 }
 

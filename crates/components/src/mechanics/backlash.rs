@@ -8,7 +8,7 @@
 //!
 //! Limits: no impact dynamics.
 
-use crate::hysteresis::play::play;
+use crate::hysteresis::play::{Drive, Threshold, play};
 use model::{
     Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
 };
@@ -70,7 +70,7 @@ impl Component for Backlash {
         else {
             return;
         };
-        *position = play(x, half, 0.0);
+        *position = play(Drive(x), Threshold(half), 0.0);
         *y = *position + bridge * (x - *position);
     }
 
@@ -87,7 +87,7 @@ impl Component for Backlash {
         else {
             return;
         };
-        *position = play(x, half, *position);
+        *position = play(Drive(x), Threshold(half), *position);
         *y = *position + bridge * (x - *position);
     }
 }

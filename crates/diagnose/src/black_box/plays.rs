@@ -3,7 +3,7 @@
 //! From a turning point on, a sum of plays follows `D(x) = w₀·x + Σ wₖ·max(0, x − 2rₖ)` of the way x, whose second
 //! differences are the weights (Prandtl–Ishlinskii; Kuhnen, European Journal of Control 9, 2003).
 
-use components::hysteresis::play::play;
+use components::hysteresis::play::{Drive, Threshold, play};
 use surround::{Block, Memory, Signals, Span};
 
 use super::{BlackBox, Entry};
@@ -78,7 +78,7 @@ fn left(course: &[f64], entered: &[f64], entry: Option<Entry>, memory: &Memory) 
         let plays = memory.r.iter().zip(&memory.w).zip(&mut states);
         let part: f64 = plays
             .map(|((r, w), p)| {
-                *p = play(late, *r, *p);
+                *p = play(Drive(late), Threshold(*r), *p);
                 w * (*p - late)
             })
             .sum();

@@ -1,6 +1,6 @@
 //! The plays of an actuator that is written anew.
 
-use components::hysteresis::play::play;
+use components::hysteresis::play::{Drive, Threshold, play};
 use data::{ComponentBlueprint, Value};
 use model::{Declaration, Extension, Role};
 use numerics::least_squares::Reduced;
@@ -77,7 +77,7 @@ impl Plays {
         let stride = command.len().div_ceil(Thresholds::PLAYS_ROWS).max(1);
         for (k, u) in command.iter().enumerate() {
             for (state, (r, _)) in states.iter_mut().zip(&self.pairs) {
-                *state = play(*u, *r, *state);
+                *state = play(Drive(*u), Threshold(*r), *state);
             }
             if k % stride == 0 {
                 let y: f64 = states.iter().zip(&self.pairs).map(|(p, (_, w))| p * w).sum();
@@ -108,7 +108,7 @@ mod tests {
             let step = |u: &f64| -> f64 {
                 let each = states.iter_mut().zip(pairs);
                 each.map(|(state, (r, w))| {
-                    *state = play(*u, *r, *state);
+                    *state = play(Drive(*u), Threshold(*r), *state);
                     w * *state
                 })
                 .sum()

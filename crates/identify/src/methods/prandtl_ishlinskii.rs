@@ -1,6 +1,6 @@
 //! Static Prandtl–Ishlinskii: weights of plays, everything linear.
 
-use components::hysteresis::play::play;
+use components::hysteresis::play::{Drive, Threshold, play};
 use data::ComponentBlueprint;
 
 use super::{Bank, Chain, FitContext, Method, Shape, Weights};
@@ -14,7 +14,7 @@ pub(crate) fn plays(thresholds: Vec<f64>) -> Bank<'static> {
     let mut states = vec![0.0; thresholds.len()];
     Box::new(move |u, row| {
         for ((value, state), r) in row.iter_mut().zip(&mut states).zip(&thresholds) {
-            *state = play(u, *r, *state);
+            *state = play(Drive(u), Threshold(*r), *state);
             *value = *state;
         }
     })

@@ -99,7 +99,7 @@ impl StopOperators {
 
 #[cfg(test)]
 mod tests {
-    use components::hysteresis::play::play;
+    use components::hysteresis::play::{Drive, Threshold, play};
 
     use super::super::Features;
     use super::*;
@@ -112,7 +112,7 @@ mod tests {
         for (i, r) in [1.0, 2.0, 3.0].into_iter().enumerate() {
             let mut p = u[0] - u[0].clamp(-r, r);
             for (k, u) in u.iter().enumerate() {
-                p = play(*u, r, p);
+                p = play(Drive(*u), Threshold(r), p);
                 assert!((all[5 * k + i] - (u - p) / 4.0).abs() < 1e-12);
             }
         }

@@ -5,7 +5,7 @@
 //! that the model runs in a controller of any step.
 
 use anyhow::Context;
-use components::hysteresis::play::play;
+use components::hysteresis::play::{Drive, Threshold, play};
 use components::hysteresis::rate;
 use data::{AxisBlueprint, CheckedBlueprint, ComponentBlueprint, Value};
 use identify::learned::rms_difference;
@@ -90,7 +90,7 @@ fn parts(thresholds: &[f64], run: &Response, per: Per) -> Vec<Rates> {
             acceleration = new;
         }
         for (p, r) in plays.iter_mut().zip(thresholds) {
-            *p = play(*u, *r, *p);
+            *p = play(Drive(*u), Threshold(*r), *p);
         }
         let (sum, rate) = (plays.iter().sum::<f64>(), memory[1]);
         let segment = match (rate >= 0.0, acceleration) {

@@ -9,7 +9,7 @@
 //! by Levenberg–Marquardt. Weights that are 0 and would fall further stay. The bend's column is a difference of two
 //! simulations. Every sum is that of the component's own code.
 
-use components::hysteresis::play::play;
+use components::hysteresis::play::{Drive, Threshold, play};
 use learned::plays::{INPUTS, unit, unit_slope};
 use nalgebra::{DMatrix, DVector};
 use numerics::levenberg_marquardt::damped_step;
@@ -239,7 +239,7 @@ impl Joint<'_> {
             let mut p = 0.0_f64;
             let mut crept = vec![0.0; parts.len()];
             for (k, b) in input.iter().enumerate() {
-                p = play(*b, *r, p);
+                p = play(Drive(*b), Threshold(*r), p);
                 for (z, part) in crept.iter_mut().zip(&parts) {
                     *z += if k == 0 { p - *z } else { part * (p - *z) };
                 }

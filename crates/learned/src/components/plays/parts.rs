@@ -1,7 +1,7 @@
 //! The arithmetic of `learned-plays`: its parameters in the order in which they are given and in groups of four, and
 //! what plays, creeps and network make of a command.
 
-use components::hysteresis::play::{between, play};
+use components::hysteresis::play::{Drive, Threshold, between, play};
 
 /// Inputs of a unit: command, position, four groups of stops, three creeps.
 pub const INPUTS: usize = 2 + GROUPS + CREEPS;
@@ -274,7 +274,7 @@ impl Parts<'_> {
     pub(super) fn rest(&self, u: f64, state: &mut [f64], x: &mut [f64; INPUTS]) -> f64 {
         let Some((plays, creeps)) = self.of(state) else { return 0.0 };
         let moved = |i: usize, b: f64, r: &Lanes| {
-            plays[i] = r.map(|r| play(b, r, 0.0));
+            plays[i] = r.map(|r| play(Drive(b), Threshold(r), 0.0));
             plays[i]
         };
         let crept = |j: usize, h: f64| {
@@ -314,7 +314,7 @@ impl Parts<'_> {
 fn after(b: f64, r: &Lanes, plays: &Lanes) -> Lanes {
     let mut moved = *plays;
     for k in 0..LANES {
-        moved[k] = play(b, r[k], plays[k]);
+        moved[k] = play(Drive(b), Threshold(r[k]), plays[k]);
     }
     moved
 }
