@@ -7,21 +7,26 @@ use identify::learned::learned_inverse;
 use identify::{
     Columns, Dynamics, Methods, Observer, Record, Search, Settings, Silent, Target, identify,
 };
-use model::{Conversion, Declaration, Inverse, NodeSpec, Role, Shape, Table, Undoing};
+use model::{Component, Conversion, Declaration, Inverse, NodeSpec, Role, Shape, Table, Undoing};
 
 pub use self::way::Feedforward;
 use crate::curve::Curve;
 use crate::linearised::{setting, values, values_of};
 use crate::path::{Nature, Part, Path, at_rest};
 
-/// Models that are fitted to what an axis does where it has no inverse of its own; all have one in closed form.
-const FITTED: [&str; 4] = [
-    "prandtl-ishlinskii",
-    "modified-prandtl-ishlinskii",
-    "generalised-play",
-    "curved-prandtl-ishlinskii",
-];
-/// Plays of these models, and the time between their rows in s, which says nothing.
+/// Models that are fitted to what an axis does where it has no inverse of its own: operators from command to position
+/// whose inverse has a closed form, and their chain with a curve.
+fn models() -> Vec<&'static str> {
+    let is_exact = |component: &&'static dyn Component| {
+        component.declaration().conversion == Conversion::CommandToPosition
+            && !component.is_affine()
+            && component.inverses().iter().any(|i| i.undoing == Undoing::ClosedForm)
+    };
+    let operators = components::COMPONENTS.iter().copied().filter(is_exact);
+    let kinds = operators.map(|component| component.declaration().kind);
+    kinds.chain(["curved-prandtl-ishlinskii"]).collect()
+}
+/// Plays of the fitted models, and the time between their rows in s, which says nothing.
 const PLAYS: (usize, f64) = (40, 1e-2);
 
 /// Samples of the fastest wave that a model with rates is fitted to, and how many times slower and how many waves of each
@@ -124,7 +129,7 @@ pub(crate) fn fitted(
     let position: Vec<f64> = sweep.position.iter().copied().step_by(every).collect();
     inverse_of(
         path,
-        (Feedforward::Fitted, &FITTED),
+        (Feedforward::Fitted, &models()),
         (&command, &position, PLAYS.1),
         suits,
         observer,
