@@ -18,8 +18,8 @@ use crate::work::Work;
 const SUBSTEPS: (f64, f64) = (50.0, 1e4);
 
 /// Makes the controller of a plant: for each axis `reference-lead` where the plant has linear parts with memory,
-/// what undoes the plant's static parts, creep and hysteresis ([`Feedforward`]), and `pid` with the limits of the
-/// command; `jacobian-coordinator` in front of coupled axes. The feedback is, of several shapes (integral;
+/// what undoes the plant's static parts, creep and hysteresis ([`Feedforward`](crate::Feedforward)), and `pid` with the
+/// limits of the command; `jacobian-coordinator` in front of coupled axes. The feedback is, of several shapes (integral;
 /// integral with a proportional part against the lags; PID that inverts or damps the lowest mode), the one with
 /// the largest integral gain whose sensitivity and noise stay below their limits. Of several ways of feedforward
 /// the one is taken that errs least on the plant itself.
