@@ -46,7 +46,7 @@ impl Component for LowPass {
         Ok(())
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[a, b, c, d], &[u], Ok(state), [y]) =
             (coefficients, inputs, state.try_into(), outputs)
@@ -56,7 +56,7 @@ impl Component for LowPass {
         *y = SecondOrder::of([a, b, c, d]).rest(u, state);
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn step(
         &self,
         coefficients: &[f64],

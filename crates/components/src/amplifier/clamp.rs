@@ -76,7 +76,7 @@ impl Component for AmplifierClamp {
         kept(parameters, coefficients)
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[low, high, softness], &[u], [y]) = (coefficients, inputs, outputs) else { return };
         *y = low + excess(u - low, softness);

@@ -70,13 +70,13 @@ impl Component for AmplifierSlew {
         Ok(())
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn rest(&self, _coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[u], [v], [y]) = (inputs, state, outputs) else { return };
         (*v, *y) = (u, u);
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn step(
         &self,
         coefficients: &[f64],

@@ -64,7 +64,7 @@ impl Component for Backlash {
         Ok(())
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[half, bridge], &[x], [position], [y]) = (coefficients, inputs, state, outputs)
         else {
@@ -74,7 +74,7 @@ impl Component for Backlash {
         *y = *position + bridge * (x - *position);
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn step(
         &self,
         coefficients: &[f64],

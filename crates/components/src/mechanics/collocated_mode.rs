@@ -84,14 +84,14 @@ impl Component for CollocatedMode {
         Ok(())
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn rest(&self, _coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[u], [x, v], [y]) = (inputs, state, outputs) else { return };
         (*x, *v) = (u, 0.0);
         *y = u;
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn step(
         &self,
         coefficients: &[f64],

@@ -61,7 +61,7 @@ impl Component for Crosstalk {
         Ok(())
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn rest(&self, coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[gain, _], &[x, u], [last], [y]) = (coefficients, inputs, state, outputs) else {
             return;
@@ -70,7 +70,7 @@ impl Component for Crosstalk {
         *y = x + gain * u;
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn step(
         &self,
         coefficients: &[f64],

@@ -66,13 +66,13 @@ impl Component for SensorLag {
         Ok(())
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn rest(&self, _coefficients: &[f64], inputs: &[f64], state: &mut [f64], outputs: &mut [f64]) {
         let (&[x], [y], [reading]) = (inputs, state, outputs) else { return };
         (*y, *reading) = (x, x);
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn step(
         &self,
         coefficients: &[f64],

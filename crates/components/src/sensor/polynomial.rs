@@ -59,7 +59,7 @@ impl Component for SensorPolynomial {
         kept(parameters, coefficients)
     }
 
-    #[inline]
+    #[cfg_attr(feature = "records", inline)]
     fn rest(&self, coefficients: &[f64], inputs: &[f64], _state: &mut [f64], outputs: &mut [f64]) {
         let (&[quadratic, cubic, centre, half_range], &[x], [y]) = (coefficients, inputs, outputs)
         else {
