@@ -2,7 +2,7 @@
 
 use model::{Component, Tick};
 
-use crate::kernel::{Law, Signals, Stepped, Wires};
+use crate::kernel::{Law, Signals, Step, Stepped, Wires};
 use crate::state::State;
 
 /// A component without structure of P parameters, K coefficients and N states, on the path, or on the path and the
@@ -43,65 +43,36 @@ impl<C: Component, const P: usize, const K: usize, const N: usize> Own<C, P, K, 
         }
         y[0]
     }
-
-    #[inline]
-    pub(crate) fn at_rest(&self, w: Wires, z: &mut [f64; N]) -> f64 {
-        self.call(w, |component, coefficients, u, y| component.rest(coefficients, u, z, y))
-    }
-
-    /// After a step that ends at the time `t`.
-    #[inline]
-    pub(crate) fn after(&self, w: Wires, t: f64, z: &mut [f64; N]) -> f64 {
-        let tick = Tick { index: (t / self.dt) as u64, time: t, period: self.dt };
-        self.call(w, |component, coefficients, u, y| component.step(coefficients, z, tick, u, y))
-    }
 }
 
-impl<C: Component, const P: usize, const K: usize, const N: usize> Law for Own<C, P, K, N> {
+impl<C: Component, const P: usize, const K: usize, const N: usize> Step<N> for Own<C, P, K, N> {
     fn set_step(&mut self, dt: f64) {
         self.dt = dt;
         let Self { component, parameters, coefficients, .. } = self;
         self.is_taken = component.prepare(&[], parameters, dt, coefficients).is_ok();
     }
 
-    fn rest(&self, w: Wires, state: &mut State) -> f64 {
-        state.z.resize(N, 0.0);
-        self.at_rest(w, state.z.first_chunk_mut().expect("it has this length"))
+    #[inline]
+    fn rest(&self, w: Wires) -> ([f64; N], f64) {
+        let mut z = [0.0; N];
+        let y = self.call(w, |component, coefficients, u, y| {
+            component.rest(coefficients, u, &mut z, y);
+        });
+        (z, y)
     }
 
-    fn step(&self, w: Wires, t: f64, state: &mut State) -> f64 {
-        self.after(w, t, state.z.first_chunk_mut().expect("a state of this kernel"))
+    #[inline]
+    fn step(&self, w: Wires, t: f64, z: &mut [f64; N]) -> f64 {
+        let tick = Tick { index: (t / self.dt) as u64, time: t, period: self.dt };
+        self.call(w, |component, coefficients, u, y| component.step(coefficients, z, tick, u, y))
     }
 
-    fn run(&self, signals: Signals<'_>, dt: f64, out: &mut [f64]) {
-        let (Some((w, signals)), Some((first, out))) =
-            (signals.split_first(), out.split_first_mut())
-        else {
-            return;
-        };
-        let (mut z, mut t) = ([0.0; N], 0.0);
-        *first = self.at_rest(w, &mut z);
-        for (y, w) in out.iter_mut().zip(signals.wires()) {
-            t += dt;
-            *y = self.after(w, t, &mut z);
-        }
-    }
-
-    fn states(&self) -> usize {
-        N
-    }
-
-    fn map(&self, x: f64) -> Option<f64> {
-        let w = Wires { x, ..Wires::default() };
-        (N == 0 && !self.reads_drive).then(|| self.at_rest(w, &mut [0.0; N]))
+    fn is_map(&self) -> bool {
+        N == 0 && !self.reads_drive
     }
 
     fn components(&self) -> Vec<Stepped<'_>> {
         vec![Stepped { component: self.component, parameters: &self.parameters }]
-    }
-
-    fn boxed(&self) -> Box<dyn Law> {
-        Box::new(self.clone())
     }
 }
 
@@ -115,14 +86,16 @@ impl<C: Component, const P: usize, const K: usize> Law for Series<Own<C, P, K, 1
     }
 
     fn rest(&self, w: Wires, state: &mut State) -> f64 {
-        state.z.resize(self.0.len(), 0.0);
-        let (z, _) = state.z.as_chunks_mut();
-        self.0.iter().zip(z).fold(w.x, |x, (law, z)| law.at_rest(Wires { x, ..w }, z))
+        self.0.iter().fold(w.x, |x, law| {
+            let (z, y) = law.rest(Wires { x, ..w });
+            state.z.extend(z);
+            y
+        })
     }
 
     fn step(&self, w: Wires, t: f64, state: &mut State) -> f64 {
         let (z, _) = state.z.as_chunks_mut();
-        self.0.iter().zip(z).fold(w.x, |x, (law, z)| law.after(Wires { x, ..w }, t, z))
+        self.0.iter().zip(z).fold(w.x, |x, (law, z)| law.step(Wires { x, ..w }, t, z))
     }
 
     fn run(&self, signals: Signals<'_>, dt: f64, out: &mut [f64]) {
@@ -130,11 +103,12 @@ impl<C: Component, const P: usize, const K: usize> Law for Series<Own<C, P, K, 1
         for law in &self.0 {
             let Some((first, out)) = out.split_first_mut() else { return };
             let wires = |x| Wires { x, ..Wires::default() };
-            let (mut z, mut t) = ([0.0], 0.0);
-            *first = law.at_rest(wires(*first), &mut z);
+            let (mut z, y) = law.rest(wires(*first));
+            *first = y;
+            let mut t = 0.0;
             for y in out {
                 t += dt;
-                *y = law.after(wires(*y), t, &mut z);
+                *y = law.step(wires(*y), t, &mut z);
             }
         }
     }
@@ -144,7 +118,7 @@ impl<C: Component, const P: usize, const K: usize> Law for Series<Own<C, P, K, 1
     }
 
     fn components(&self) -> Vec<Stepped<'_>> {
-        self.0.iter().flat_map(Law::components).collect()
+        self.0.iter().flat_map(Step::components).collect()
     }
 
     fn boxed(&self) -> Box<dyn Law> {

@@ -44,7 +44,7 @@ impl<'a> Signals<'a> {
         all.map(|((x, drive), aux)| Wires { x: *x, drive: *drive, aux: *aux })
     }
 
-    pub(crate) fn split_first(self) -> Option<(Wires, Self)> {
+    fn split_first(self) -> Option<(Wires, Self)> {
         let ((x, xs), (drive, drives)) = (self.x.split_first()?, self.drive.split_first()?);
         let (aux, auxs) = self.aux.split_first()?;
         Some((Wires { x: *x, drive: *drive, aux: *aux }, Self { x: xs, drive: drives, aux: auxs }))
@@ -253,6 +253,14 @@ pub(crate) trait Step<const N: usize>: Clone + Send + Sync + 'static {
     fn rest(&self, w: Wires) -> ([f64; N], f64);
     /// Output at the end of a step at the time `t` in s.
     fn step(&self, w: Wires, t: f64, z: &mut [f64; N]) -> f64;
+    /// Whether it has no memory and reads nothing but the path.
+    fn is_map(&self) -> bool {
+        false
+    }
+    /// Components that it consists of.
+    fn components(&self) -> Vec<Stepped<'_>> {
+        Vec::new()
+    }
 }
 
 /// A [`Step`] as a law.
@@ -292,6 +300,14 @@ impl<const N: usize, K: Step<N>> Law for Stepping<K, N> {
 
     fn states(&self) -> usize {
         N
+    }
+
+    fn map(&self, x: f64) -> Option<f64> {
+        self.0.is_map().then(|| self.0.rest(Wires { x, ..Wires::default() }).1)
+    }
+
+    fn components(&self) -> Vec<Stepped<'_>> {
+        self.0.components()
     }
 
     fn boxed(&self) -> Box<dyn Law> {

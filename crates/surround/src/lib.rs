@@ -22,6 +22,7 @@ mod mechanics;
 mod memory;
 mod operator;
 mod port_variable;
+mod prepare;
 mod rated;
 mod repair;
 mod span;
