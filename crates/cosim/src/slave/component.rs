@@ -1,20 +1,19 @@
 //! A slave that is a WebAssembly component: FMI 3.0 by the draft of the layered standard FMI-LS-WASM, in wasmtime.
 //!
-//! A component gets the callbacks of the standard and nothing else: no files, no clock, no network. Each call has a budget
-//! of instructions, each instance a bound of memory. What leaves them, or traps, ends this instance with an error; nothing
-//! else of the run is touched.
+//! What leaves its bounds, or traps, ends this instance with an error; nothing else of the run is touched.
 //!
 //! Source: FMI-LS-WASM 0.1 (<https://github.com/modelica/fmi-ls-wasm>).
 
-use std::path::Path;
+mod runtime;
+
 use std::sync::Arc;
 
 use fmi_bindings::import::{Experiment, StepResult};
 use modeldescription::variable::DataType;
 use modeldescription::{ModelDescription, Package};
-use wasmtime::component::{Component, HasSelf, Linker, ResourceAny};
-use wasmtime::{Config, Engine, Store, StoreLimits, StoreLimitsBuilder, Trap};
 
+pub(crate) use self::runtime::ComponentLibrary;
+use self::runtime::{Call, Live, Status};
 use super::address::Address;
 use super::selection::{ArrayRun, Selection};
 use super::support::Settings;
@@ -22,102 +21,6 @@ use super::value::Value;
 use super::{Slave, StateId};
 use crate::error::Error;
 use crate::problem::Problems;
-
-#[allow(missing_docs, unreachable_pub, clippy::all)]
-mod bindings {
-    wasmtime::component::bindgen!({ path: "../fmi-bindings/wit", world: "co-simulation-fmu" });
-}
-
-use bindings::CoSimulationFmu;
-use bindings::exports::fmi::fmi3::co_simulation::GuestCoSimulationInstance;
-use bindings::fmi::fmi3::{callbacks, types};
-use types::Status;
-
-/// A call of an instance's function.
-trait Call<T>:
-    FnOnce(&GuestCoSimulationInstance<'_>, &mut Store<Host>, ResourceAny) -> wasmtime::Result<T>
-{
-}
-
-impl<T, F> Call<T> for F where
-    F: FnOnce(&GuestCoSimulationInstance<'_>, &mut Store<Host>, ResourceAny) -> wasmtime::Result<T>
-{
-}
-
-/// Longest component that is compiled, bytes.
-const LONGEST: u64 = 64 << 20;
-/// Bound of the memory of an instance, bytes.
-const MEMORY: usize = 256 << 20;
-/// Instructions of one call, about: some seconds.
-const FUEL: u64 = 5_000_000_000;
-/// Messages that are kept for an error.
-const KEPT: usize = 5;
-
-/// A compiled component.
-pub(crate) struct ComponentLibrary {
-    engine: Engine,
-    component: Component,
-}
-
-/// What an instance reaches of its host.
-struct Host {
-    limits: StoreLimits,
-    messages: Vec<String>,
-}
-
-impl types::Host for Host {}
-
-impl callbacks::Host for Host {
-    fn log_message(&mut self, name: String, _: Status, category: String, message: String) {
-        if self.messages.len() == KEPT {
-            self.messages.remove(0);
-        }
-        let cut = |text: String, most| text.chars().take(most).collect::<String>();
-        let (category, message) = (cut(category, 50), cut(message, 1000));
-        self.messages.push(format!("{}: {category}: {message}", cut(name, 100)));
-    }
-
-    fn clock_update(&mut self) {}
-
-    fn lock_preemption(&mut self) {}
-
-    fn unlock_preemption(&mut self) {}
-}
-
-impl ComponentLibrary {
-    /// Compiles a component.
-    ///
-    /// # Errors
-    /// The file is too long, cannot be read, or is no component.
-    pub(crate) fn load(file: &Path) -> Result<Self, Error> {
-        let refuse = |what: String| Error::Component {
-            fmu: file.display().to_string(),
-            call: "the component".to_owned(),
-            what,
-        };
-        let length = std::fs::metadata(file).map_err(|error| refuse(error.to_string()))?.len();
-        if length > LONGEST {
-            return Err(refuse(format!("has {length} bytes; at most {LONGEST} are compiled")));
-        }
-        let bytes = std::fs::read(file).map_err(|error| refuse(error.to_string()))?;
-        let mut config = Config::new();
-        config.wasm_component_model(true).consume_fuel(true);
-        let engine = Engine::new(&config).map_err(|error| refuse(first_line(&error)))?;
-        let component =
-            Component::new(&engine, bytes).map_err(|error| refuse(first_line(&error)))?;
-        Ok(ComponentLibrary { engine, component })
-    }
-}
-
-/// What an error says, in one line from the outside to its cause.
-fn first_line(error: &wasmtime::Error) -> String {
-    let all: Vec<String> = error.chain().map(ToString::to_string).collect();
-    let mut text = all.join(": ").replace('\n', " ");
-    if text.chars().count() > 400 {
-        text = text.chars().take(400).collect();
-    }
-    text
-}
 
 /// One instance.
 pub(crate) struct ComponentSlave {
@@ -129,13 +32,6 @@ pub(crate) struct ComponentSlave {
     package: Arc<Package>,
     live: Live,
     states: Vec<Option<Vec<u8>>>,
-}
-
-/// The component while it lives.
-struct Live {
-    store: Store<Host>,
-    bindings: CoSimulationFmu,
-    instance: ResourceAny,
 }
 
 impl ComponentSlave {
@@ -150,19 +46,9 @@ impl ComponentSlave {
         Ok(ComponentSlave { library, description, settings, experiment, package, live, states })
     }
 
-    /// One call: with a fresh budget; an error where it traps.
-    fn call<T>(&mut self, name: &str, call: impl Call<T>) -> Result<T, Error> {
-        let Live { store, bindings, instance } = &mut self.live;
-        let guest = bindings.fmi_fmi3_co_simulation();
-        let done = store
-            .set_fuel(FUEL)
-            .and_then(|()| call(&guest.co_simulation_instance(), store, *instance));
-        done.map_err(|error| trapped(&self.settings.name, name, &error, store.data()))
-    }
-
     /// A call that answers with a status.
     fn done(&mut self, name: &str, call: impl Call<Status>) -> Result<(), Error> {
-        match self.call(name, call)? {
+        match self.live.call(&self.settings.name, name, call)? {
             Status::Ok | Status::Warning => Ok(()),
             status => Err(self.refused(name, status)),
         }
@@ -170,7 +56,9 @@ impl ComponentSlave {
 
     /// A call that answers with values or a status.
     fn values<T>(&mut self, name: &str, call: impl Call<Result<T, Status>>) -> Result<T, Error> {
-        self.call(name, call)?.map_err(|status| self.refused(name, status))
+        self.live
+            .call(&self.settings.name, name, call)?
+            .map_err(|status| self.refused(name, status))
     }
 
     fn refused(&self, name: &str, status: Status) -> Error {
@@ -181,7 +69,7 @@ impl ComponentSlave {
             Status::Error => "error",
             Status::Fatal => "fatal",
         };
-        let what = match self.live.store.data().messages.last() {
+        let what = match self.live.last_message() {
             Some(reported) => format!("returned the status {status}: {reported}"),
             None => format!("returned the status {status}, and no message"),
         };
@@ -282,82 +170,6 @@ impl ComponentSlave {
         let found = Address::find(&self.settings.name, &self.description, name);
         Ok(found.map_err(Problems::from)?)
     }
-}
-
-impl Live {
-    fn new(
-        library: &ComponentLibrary,
-        description: &ModelDescription,
-        package: &Package,
-        settings: &Settings,
-    ) -> Result<Self, Error> {
-        let name = &settings.name;
-        let host = Host {
-            limits: StoreLimitsBuilder::new()
-                .memory_size(MEMORY)
-                .instances(64)
-                .memories(16)
-                .tables(64)
-                .table_elements(1_000_000)
-                .trap_on_grow_failure(true)
-                .build(),
-            messages: Vec::new(),
-        };
-        let mut store = Store::new(&library.engine, host);
-        store.limiter(|host| &mut host.limits);
-        let begin = "instantiating the component";
-        let failed = |error: wasmtime::Error, host: &Host| trapped(name, begin, &error, host);
-        let mut linker = Linker::new(&library.engine);
-        let linked = CoSimulationFmu::add_to_linker::<_, HasSelf<_>>(&mut linker, |host| host)
-            .and_then(|()| store.set_fuel(FUEL));
-        linked.map_err(|error| failed(error, store.data()))?;
-        let bindings = CoSimulationFmu::instantiate(&mut store, &library.component, &linker);
-        let bindings = bindings.map_err(|error| failed(error, store.data()))?;
-        let guest = bindings.fmi_fmi3_co_simulation();
-        let created = guest.co_simulation_instance().call_instantiate_co_simulation(
-            &mut store,
-            name,
-            &description.instantiation_token,
-            &package.resources_uri(),
-            settings.visible,
-            settings.logging_on,
-            false,
-            false,
-            &[],
-        );
-        let call = "instantiate-co-simulation";
-        let instance = created.map_err(|error| trapped(name, call, &error, store.data()))?;
-        let Some(instance) = instance else {
-            let reported = store.data().messages.last().cloned().unwrap_or_default();
-            let what = format!("gave no instance; {reported}");
-            return Err(Error::Component { fmu: name.clone(), call: call.to_owned(), what });
-        };
-        Ok(Live { store, bindings, instance })
-    }
-}
-
-/// What ended a call.
-fn trapped(fmu: &str, call: &str, error: &wasmtime::Error, host: &Host) -> Error {
-    let text = first_line(error);
-    let mut what = match error.downcast_ref::<Trap>() {
-        Some(Trap::OutOfFuel) => format!("did not end within {FUEL} instructions"),
-        Some(trap) => {
-            format!("trapped: {}", trap.to_string().trim_start_matches("wasm trap: "))
-        }
-        None if text.contains("growing memory") => {
-            format!("asked for more than {} MiB of memory", MEMORY >> 20)
-        }
-        None if text.contains("matching implementation was not found") => {
-            format!(
-                "wants more than the callbacks of FMI-LS-WASM, which is all that it gets here: {text}"
-            )
-        }
-        None => text,
-    };
-    if let Some(reported) = host.messages.last() {
-        what += &format!("; it said: {reported}");
-    }
-    Error::Component { fmu: fmu.to_owned(), call: call.to_owned(), what }
 }
 
 impl Slave for ComponentSlave {
