@@ -2,6 +2,7 @@
 
 mod chains;
 mod inputs;
+mod parameters;
 mod ports;
 mod status;
 mod variables;
@@ -12,15 +13,12 @@ use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use self::variables::{Units, enabled_variable, output_variable, parameter_variable};
+use self::variables::{Units, output_variable};
 use super::{
     ALWAYS_ON, AxisSpec, BuildError, Kind, Node, NodeSpec, Plan, System, SystemSpec, Wire,
 };
 use crate::wiring::{FEW_PORTS, Wiring};
-use crate::{
-    Context, DataType, Declaration, Output, Quantity, Shape, Source, Unit, Variable, VariableTable,
-    Within,
-};
+use crate::{Context, DataType, Declaration, Output, Source, Unit, Variable, VariableTable};
 
 /// Signal 0 is always zero: ports that have nothing to read read it.
 const ZERO: usize = 0;
@@ -196,7 +194,7 @@ impl<'a> Builder<'a> {
             path: place,
             structure: node.structure.clone(),
             parameters: 0..0,
-            seeds: seeds(declaration, &node.structure),
+            seeds: parameters::seeds(declaration, &node.structure),
             enabled: ALWAYS_ON,
             wiring: Wiring {
                 coefficients: coefficients.into(),
@@ -361,58 +359,6 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn parameters_of(
-        &mut self,
-        node: &NodeSpec,
-        place: &str,
-        site: &Site<'_>,
-    ) -> Vec<(Variable, f64)> {
-        let units = &site.units;
-        let declaration = node.component.declaration();
-        let count = declaration.parameter_count(&node.structure);
-        if count != node.values.len() {
-            let given = node.values.len();
-            self.error(place, format!("{count} parameter values are needed, {given} were given"));
-            return Vec::new();
-        }
-        let mut values = node.values.iter().copied();
-        let mut all = Vec::with_capacity(count + 1);
-        for (index, quantity) in declaration.parameters.iter().enumerate() {
-            let length = declaration.length(index, &node.structure);
-            let bounds = quantity.bounds(&node.structure, site.commands);
-            for (k, value) in (1..=length).zip(values.by_ref()) {
-                let name = match quantity.shape {
-                    Shape::Scalar => format!("{place}.{}", quantity.name),
-                    Shape::Array(_) => format!("{place}.{}[{k}]", quantity.name),
-                };
-                self.check_value(&name, quantity, value, site);
-                all.push((parameter_variable(name, quantity, value, units, bounds), value));
-            }
-        }
-        if declaration.can_be_disabled() {
-            let value = f64::from(u8::from(node.enabled));
-            all.push((enabled_variable(place, declaration, value), value));
-        } else if !node.enabled {
-            let kind = declaration.kind;
-            self.error(place, format!("enabled = false: {kind} cannot be switched off, the chain needs it; leave it out or enable it"));
-        }
-        all
-    }
-
-    /// Bounds that structural settings say are left to the component, which knows the way out.
-    fn check_value(&mut self, name: &str, quantity: &Quantity, value: f64, site: &Site<'_>) {
-        let unit = site.units.of(quantity.unit);
-        let (min, max) = match quantity.within {
-            Within::Commands => quantity.bounds(&[], site.commands),
-            _ => (quantity.min, quantity.max),
-        };
-        if !value.is_finite() {
-            self.error(name, format!("{value} is not a finite number; give one in {unit}"));
-        } else if value < min || value > max {
-            self.error(name, format!("{value} {unit} is outside {min} to {max} {unit}"));
-        }
-    }
-
     fn exit(&mut self, axis: &AxisSpec, number: usize, path: usize) {
         let plant = self.spec.kind == Kind::Plant;
         let (name, unit, range, alias, sentence) = if plant {
@@ -498,18 +444,4 @@ impl<'a> Builder<'a> {
         system.pristine = system.context.clone();
         Ok(system)
     }
-}
-
-/// Places of the seeds among the parameter values.
-fn seeds(declaration: &Declaration, structure: &[f64]) -> Vec<usize> {
-    let mut at = 0;
-    let mut found = Vec::new();
-    for (index, quantity) in declaration.parameters.iter().enumerate() {
-        let end = at + declaration.length(index, structure);
-        if quantity.is_seed {
-            found.extend(at..end);
-        }
-        at = end;
-    }
-    found
 }
