@@ -8,9 +8,17 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use common::bench::{Process, machine, port, stage};
+use common::bench::{Process, change_plan, log, machine, port, stage};
 use common::{refuse, succeed, wait_for};
 use serde_json::Value;
+
+/// A runner that goes on while the test looks at it.
+fn runner(port: u16, more: &[&str], folder: &Path) -> Process {
+    let gateway = format!("udp://127.0.0.1:{port}");
+    let mut all = vec!["bench", "run", "--plan", "plan.toml", "--gateway", &gateway];
+    all.extend(more);
+    Process::tool(&all, folder)
+}
 
 fn run(port: u16, more: &[&str], folder: &Path) -> (Value, Option<i32>) {
     let gateway = format!("udp://127.0.0.1:{port}");
@@ -59,11 +67,7 @@ fn a_record_has_units_and_provenance_in_every_format() {
     let about: Value = serde_json::from_str(&about).unwrap();
     assert_eq!(about["plan_sha256"].as_str().map(str::len), Some(64));
     assert!(about["outcome"]["work"]["p9999_us"].is_number() && about["realtime"].is_object());
-    let log = |file: &str| {
-        let options = data::ReadOptions::default();
-        data::Log::read(&folder.path().join(file), &options).unwrap()
-    };
-    for log in [log("run.csv"), log("run.parquet")] {
+    for log in ["run.csv", "run.parquet"].map(|file| log(folder.path(), file)) {
         let position = log.column("position[1]").unwrap();
         assert_eq!(position.unit.as_ref().map(|unit| unit.text.as_str()), Some("um"));
         let greatest =
@@ -105,11 +109,7 @@ fn a_run_that_cannot_begin_leaves_nothing_to_recover() {
 fn a_killed_runner_leaves_its_rows_and_the_machine_stops_itself() {
     let (folder, port) = (stage(60.0), port());
     let machine = machine(port, &["--heartbeat", "20"], folder.path());
-    let gateway = format!("udp://127.0.0.1:{port}");
-    let runner = Process::tool(
-        &["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"],
-        folder.path(),
-    );
+    let runner = runner(port, &["--record", "run.csv"], folder.path());
     let journal = folder.path().join("run.csv.journal");
     let size = || std::fs::metadata(&journal).map_or(0, |found| found.len());
     wait_for(|| match size() {
@@ -119,16 +119,15 @@ fn a_killed_runner_leaves_its_rows_and_the_machine_stops_itself() {
     runner.signal("-KILL");
     let (_, code) = runner.end();
     assert_eq!(code, None);
-    let message = refuse(
-        &["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"],
-        folder.path(),
-    );
+    let gateway = format!("udp://127.0.0.1:{port}");
+    let again =
+        ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"];
+    let message = refuse(&again, folder.path());
     assert!(message.contains("bench recover"), "{message}");
     let messages = succeed(&["bench", "recover", "run.csv.journal"], folder.path());
     println!("{messages}");
-    let log = data::Log::read(&folder.path().join("run.csv"), &data::ReadOptions::default());
     // 18 columns of 8 bytes.
-    assert!(log.unwrap().len() as u64 >= 60_000 / (8 * 18) - 40);
+    assert!(log(folder.path(), "run.csv").len() as u64 >= 60_000 / (8 * 18) - 40);
     // What is there stays unless it is named; a file of another hand beside it in any case.
     let messages = refuse(&["bench", "recover", "run.csv.journal"], folder.path());
     assert!(messages.contains("run.csv: is there") && messages.contains("-o FILE"), "{messages}");
@@ -150,17 +149,13 @@ fn a_killed_runner_leaves_its_rows_and_the_machine_stops_itself() {
 fn sigterm_ends_in_the_safe_state_with_the_record_complete() {
     let (folder, port) = (stage(60.0), port());
     let _machine = machine(port, &[], folder.path());
-    let gateway = format!("udp://127.0.0.1:{port}");
-    let plan =
-        ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--record", "run.csv"];
-    let runner = Process::tool(&plan, folder.path());
+    let runner = runner(port, &["--record", "run.csv"], folder.path());
     std::thread::sleep(Duration::from_millis(1500));
     runner.signal("-TERM");
     let (messages, code) = runner.end();
     assert_eq!(code, Some(0), "{messages}");
     assert!(messages.contains("state safe: somebody stopped it"), "{messages}");
-    let log =
-        data::Log::read(&folder.path().join("run.csv"), &data::ReadOptions::default()).unwrap();
+    let log = log(folder.path(), "run.csv");
     assert_eq!(log.column("command[1]").unwrap().values.last(), Some(&0.0));
     assert_eq!(log.column("bench.state").unwrap().values.last(), Some(&4.0));
 }
@@ -169,13 +164,9 @@ fn sigterm_ends_in_the_safe_state_with_the_record_complete() {
 #[test]
 fn the_third_interruption_ends_a_run_wherever_its_command_is() {
     let (folder, port) = (stage(60.0), port());
-    let plan = std::fs::read_to_string(folder.path().join("plan.toml")).unwrap();
-    let plan = plan.replace("safe_rate = 100", "safe_rate = 1e-6");
-    std::fs::write(folder.path().join("plan.toml"), plan).unwrap();
+    change_plan(folder.path(), &[("safe_rate = 100", "safe_rate = 1e-6")]);
     let _machine = machine(port, &[], folder.path());
-    let gateway = format!("udp://127.0.0.1:{port}");
-    let call = ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway];
-    let mut runner = Process::tool(&call, folder.path());
+    let mut runner = runner(port, &[], folder.path());
     std::thread::sleep(Duration::from_millis(1500));
     for signal in ["-INT", "-TERM"] {
         runner.signal(signal);
@@ -196,14 +187,12 @@ fn with_a_key_only_its_holder_is_believed() {
     std::fs::write(at.join("b.key"), "0123456789abcdeF").unwrap();
     let keyed = machine(port, &["--key", "a.key"], at);
     assert!(keyed.first.contains("HMAC-SHA-256") && keyed.first.contains("us per cycle"));
+    change_plan(at, &[("patience = 20", "patience = 0.5")]);
     for wrong in [&["--key", "b.key"][..], &[]] {
-        let plan = std::fs::read_to_string(at.join("plan.toml")).unwrap();
-        std::fs::write(at.join("plan.toml"), plan.replace("patience = 20", "patience = 0.5"))
-            .unwrap();
         let (answer, code) = run(port, wrong, at);
         assert_eq!((code, answer["measurements"]["used"].as_u64()), (Some(1), Some(0)), "{answer}");
-        std::fs::write(at.join("plan.toml"), plan).unwrap();
     }
+    change_plan(at, &[("patience = 0.5", "patience = 20")]);
     let (answer, code) = run(port, &["--key", "a.key"], at);
     println!("{answer:#}");
     assert_eq!(
@@ -232,11 +221,10 @@ fn a_dead_machine_is_a_fault_of_the_run() {
 #[test]
 fn a_machine_with_other_channels_is_reported() {
     let (folder, port) = (stage(1.0), port());
-    let plan = std::fs::read_to_string(folder.path().join("plan.toml")).unwrap();
     let axis = "[[axis]]\ncommand_limits = [-2, 12]\n[watch]";
-    let plan = plan.replace("patience = 20", "patience = 0.5").replace("[watch]", axis);
-    std::fs::write(folder.path().join("plan.toml"), plan.replace("at = [6]", "at = [6, 6]"))
-        .unwrap();
+    let changes =
+        [("patience = 20", "patience = 0.5"), ("[watch]", axis), ("at = [6]", "at = [6, 6]")];
+    change_plan(folder.path(), &changes);
     let _machine = machine(port, &[], folder.path());
     let (answer, code) = run(port, &[], folder.path());
     assert_eq!(code, Some(1), "{answer}");
@@ -246,9 +234,7 @@ fn a_machine_with_other_channels_is_reported() {
 #[test]
 fn nobody_answers() {
     let folder = stage(1.0);
-    let plan = std::fs::read_to_string(folder.path().join("plan.toml")).unwrap();
-    let plan = plan.replace("patience = 20", "patience = 0.2");
-    std::fs::write(folder.path().join("plan.toml"), plan).unwrap();
+    change_plan(folder.path(), &[("patience = 20", "patience = 0.2")]);
     let (answer, code) = run(port(), &[], folder.path());
     assert_eq!((code, answer["measurements"]["used"].as_u64()), (Some(1), Some(0)));
     assert_eq!(answer["reason"], "no packet came from the machine");
@@ -273,46 +259,18 @@ fn the_controller_fmu_that_was_simulated_runs_on_the_bench() {
         let udp = format!("udp://127.0.0.1:{}", port());
         let memory = format!("shm://test-{}-{version}", std::process::id());
         for gateway in [&udp, &memory] {
-            let machine = Process::tool(
-                &[
-                    "bench",
-                    "emulate",
-                    "evc",
-                    "--gateway",
-                    gateway,
-                    "--rate",
-                    "200",
-                    "--timing",
-                    "commands",
-                ],
-                here,
-            );
+            let emulate = ["bench", "emulate", "evc", "--gateway", gateway, "--rate", "200"];
+            let machine = Process::tool(&[&emulate[..], &["--timing", "commands"]].concat(), here);
             let plan = "[watch]\nhold = 150\nmax_age = 100\n";
             std::fs::write(here.join("plan.toml"), plan).unwrap();
-            let arguments = [
-                "--json",
-                "bench",
-                "run",
-                "controller.fmu",
-                "--plan",
-                "plan.toml",
-                "--gateway",
-                gateway,
-                "--rate",
-                "200",
-                "--reference",
-                "ref.csv",
-                "--record",
-                "run.csv",
-                "--command-limits",
-                "0..120",
-            ];
-            let output = common::piezoloop(&arguments, here);
+            let call = ["--json", "bench", "run", "controller.fmu", "--plan", "plan.toml"];
+            let rate = ["--gateway", gateway, "--rate", "200", "--command-limits", "0..120"];
+            let files = ["--reference", "ref.csv", "--record", "run.csv"];
+            let output = common::piezoloop(&[&call[..], &rate, &files].concat(), here);
             let messages = String::from_utf8_lossy(&output.stderr).into_owned();
             assert_eq!(output.status.code(), Some(0), "{gateway}: {messages}{:?}", output.stdout);
             drop(machine);
-            let log =
-                data::Log::read(&here.join("run.csv"), &data::ReadOptions::default()).unwrap();
+            let log = log(here, "run.csv");
             let column = |name: &str| log.column(name).unwrap().values.clone();
             let (r, y, row) = (column("reference[1]"), column("position[1]"), column("bench.row"));
             let last = row.iter().rposition(|row| *row > 500.0).expect("the end of the plan");
@@ -334,7 +292,7 @@ fn peer(command: &mut Command, folder: &Path, port: u16) {
     for counter in ["corrupt", "mismatched", "duplicate", "reordered"] {
         assert_eq!(answer["measurements"][counter], 0, "{counter}");
     }
-    let log = data::Log::read(&folder.join("run.csv"), &data::ReadOptions::default()).unwrap();
+    let log = log(folder, "run.csv");
     let greatest = log.column("position[1]").unwrap().values.iter().fold(0.0_f64, |m, y| m.max(*y));
     assert!((greatest - 0.5).abs() < 0.01, "6 V / 12 = 0.5 um, not {greatest}");
 }
@@ -371,9 +329,7 @@ fn a_peer_in_python() {
 fn dumped_page(browser: &str, seconds: f64) -> String {
     let (folder, port) = (stage(seconds), port());
     let _machine = machine(port, &[], folder.path());
-    let gateway = format!("udp://127.0.0.1:{port}");
-    let arguments = ["bench", "run", "--plan", "plan.toml", "--gateway", &gateway, "--web", "0"];
-    let mut runner = Process::tool(&arguments, folder.path());
+    let mut runner = runner(port, &["--web", "0"], folder.path());
     let mut url = String::new();
     while !url.contains("live page") {
         url.clear();
@@ -521,20 +477,8 @@ fn wrong_plans_and_options_are_reported() {
         .unwrap();
     let message = with(&[]);
     assert!(message.contains("0.1 Hz") && message.contains("MIN < MAX"), "{message}");
-    let message = refuse(
-        &[
-            "bench",
-            "emulate",
-            "p1",
-            "--gateway",
-            "udp://127.0.0.1:9",
-            "--rate",
-            "1k",
-            "--inject",
-            "loss",
-        ],
-        here,
-    );
+    let emulate = ["bench", "emulate", "p1", "--rate", "1k", "--inject", "loss"];
+    let message = refuse(&[&emulate[..], &gateway].concat(), here);
     assert!(message.contains("probability"), "{message}");
     assert!(refuse(&["bench", "recover", "plan.toml", "-o", "x.csv"], here).contains("PZLJRNL1"));
 }

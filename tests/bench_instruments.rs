@@ -7,7 +7,7 @@ use crate::common;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 
-use common::bench::{Process, port};
+use common::bench::{Process, log, port};
 use common::{at_once, foreign, json, refuse};
 
 fn instrument(scheme: &str, protocol: &str, place: &str, folder: &Path) -> Process {
@@ -76,7 +76,7 @@ fn drives(scheme: &str, protocol: &str, place: &str, identity: &str, mode: &str)
     assert_eq!(answer["reason"], "the plan has ended", "{answer:#}");
     let messages = answer["machine"].as_str().unwrap();
     assert!(messages.contains(identity) && messages.contains(mode), "{messages}");
-    let log = data::Log::read(&here.join(&record), &data::ReadOptions::default()).unwrap();
+    let log = log(here, &record);
     let greatest = log.column("position[1]").unwrap().values.iter().fold(0.0_f64, |m, y| m.max(*y));
     assert!((1.5..2.5).contains(&greatest), "{greatest} um of 2: {answer:#}");
     assert_eq!(json(&["bench", "replay", &record], here)["different"], 0);
@@ -138,15 +138,13 @@ fn what_the_recorder_measures_identifies_the_plant() {
         let call = ["bench", "measure", "triangles.csv", "--gateway", &gateway, "-o", "log.csv"];
         let answer = json(&call, here);
         assert_eq!(answer["sample_time_s"], 2e-3);
-        let log = data::Log::read(&here.join("log.csv"), &data::ReadOptions::default()).unwrap();
+        let (log, signal) = (log(here, "log.csv"), log(here, "triangles.csv"));
         let column = |name: &str| log.column(name).unwrap().clone();
         assert_eq!(column("command[1]").unit.unwrap().text, "V");
         assert_eq!(column("position[1]").unit.unwrap().text, "um");
-        let signal = data::Log::read(&here.join("triangles.csv"), &data::ReadOptions::default());
         // To the digits of the protocols: % of 14 V with six places.
         let same = |(a, b): (&f64, &f64)| (a - b).abs() < 2e-6;
-        let (played, wanted) = (column("command[1]").values, signal.unwrap());
-        let wanted = &wanted.columns()[0].values;
+        let (played, wanted) = (column("command[1]").values, &signal.columns()[0].values);
         assert_eq!(answer["rows"], wanted.len(), "{answer:#}");
         assert!(played.iter().zip(wanted).all(same), "the command is what was asked for");
         let call = [
@@ -342,10 +340,10 @@ fn analog_signal(folder: &Path) -> Vec<f64> {
     volts
 }
 
-/// How far the targets of a log are at most from a signal that repeats, begun anywhere in it, and how far the position is
+/// How far the targets of log.csv are at most from a signal that repeats, begun anywhere in it, and how far the position is
 /// from the target of its row and of 17 rows before, rms; in um.
-fn followed(file: &Path, signal: &[f64]) -> [f64; 3] {
-    let log = data::Log::read(file, &data::ReadOptions::default()).unwrap();
+fn followed(folder: &Path, signal: &[f64]) -> [f64; 3] {
+    let log = log(folder, "log.csv");
     let column = |name: &str| log.column(name).unwrap().values.clone();
     let (target, position) = (column("command[1]"), column("position[1]"));
     let off = |first: usize| {
@@ -375,7 +373,7 @@ fn a_loop_follows_an_analog_input_and_is_recorded() {
     assert_eq!((&answer["rows"], &answer["sample_time_s"]), (&1200.into(), &2e-3.into()));
     // As delivered ± 10 V are the travel, from -7 to 42 um; the record begins anywhere in the signal.
     let wanted: Vec<f64> = volts.iter().map(|v| 17.5 + 2.45 * v).collect();
-    let [least, now, later] = followed(&here.join("log.csv"), &wanted);
+    let [least, now, later] = followed(here, &wanted);
     assert!(least < 2e-6, "the target is the scaled signal, twice: {least} um off");
     // An integrator of 30 1/s: it comes after within some 0.1 s.
     assert!(later < 0.75 * now && now < 4.0, "{now} um, {later} um after 34 ms");
@@ -434,7 +432,7 @@ fn an_nv200_follows_its_analog_input_and_lets_go_of_it() {
         .map(|name| reported(&place, name).rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
     assert!((low + 7.0).abs() < 1e-3 && (high - 42.0).abs() < 1e-3, "{low} {high}");
     let wanted: Vec<f64> = volts.iter().map(|v| low + 0.1 * (high - low) * v.max(0.0)).collect();
-    let [least, now, later] = followed(&here.join("log.csv"), &wanted);
+    let [least, now, later] = followed(here, &wanted);
     assert!(
         least < 2e-6,
         "the set point is the scaled signal, from the first row on: {least} um off"

@@ -7,7 +7,7 @@ use crate::common;
 use std::path::Path;
 use std::process::Command;
 
-use common::bench::stage;
+use common::bench::{log, stage};
 use common::{json, refuse, succeed};
 
 /// The functions that examples/05_bench/nidaqmx.c calls, as NI's documentation of the C API gives them.
@@ -58,7 +58,7 @@ fn the_example_card_is_a_machine() {
     assert_eq!(answer["reason"], "the plan has ended", "{answer:#}");
     assert_eq!(answer["machine"], "fake card with 1 channels in registers.bin");
     assert_eq!(answer["gateway_failure"], serde_json::Value::Null);
-    let log = data::Log::read(&here.join("run.csv"), &data::ReadOptions::default()).unwrap();
+    let log = log(here, "run.csv");
     let greatest = log.column("position[1]").unwrap().values.iter().fold(0.0_f64, |m, y| m.max(*y));
     assert!((greatest - 0.6).abs() < 1e-3, "6 V are 0.6 um, not {greatest}");
     // The registers at the end: the command of the safe state, and what it led to.

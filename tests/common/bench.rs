@@ -77,6 +77,19 @@ pub(crate) fn stage(seconds: f64) -> tempfile::TempDir {
     folder
 }
 
+/// Writes the folder's plan with parts of its text replaced.
+pub(crate) fn change_plan(folder: &Path, changes: &[(&str, &str)]) {
+    let file = folder.join("plan.toml");
+    let plan = std::fs::read_to_string(&file).expect("a plan");
+    let changed = changes.iter().fold(plan, |plan, (from, to)| plan.replace(from, to));
+    std::fs::write(file, changed).expect("a plan");
+}
+
+/// A log in the folder.
+pub(crate) fn log(folder: &Path, name: &str) -> data::Log {
+    data::Log::read(&folder.join(name), &data::ReadOptions::default()).expect("a log")
+}
+
 /// The machine that the tool plays: p1, a stage of one axis.
 pub(crate) fn machine(port: u16, more: &[&str], folder: &Path) -> Process {
     let gateway = format!("udp://127.0.0.1:{port}");
