@@ -86,6 +86,11 @@ pub use repair::is_linear;
 pub use repaired_fmu::{Repaired, preset};
 pub use request::{Deviation, Model, Noise, Request, Tolerance};
 
+/// Part of each record, at its end, that is held out where no log is given to be held out.
+pub const HELD_OUT: f64 = thresholds::base::Thresholds::HELD_OUT;
+/// Error power that another reading of the logs must leave at most, over what the usual reading leaves, to be taken.
+pub const READING_LESS: f64 = thresholds::base::Thresholds::READING_LESS;
+
 /// The answer with what is needed to draw it and to repair the model.
 pub struct Diagnosis {
     /// The answer.

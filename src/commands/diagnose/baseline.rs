@@ -99,7 +99,7 @@ type Found = (CheckedBlueprint, Identified);
 fn of_logs(asked: &Asked<'_>, screen: &Screen) -> anyhow::Result<Generated> {
     let of = |model: &str, readings: (Between, Reading), screen: &Screen| {
         let columns = (asked.inputs, asked.outputs);
-        let parts = (asked.drop, Thresholds::HELD_OUT);
+        let parts = (asked.drop, diagnose::HELD_OUT);
         Identify::one_model(model, asked.logs, columns, asked.options, parts, readings)
             .plant(screen)
     };
@@ -187,7 +187,7 @@ fn less(
     };
     let mut all: Vec<_> =
         others.into_iter().filter_map(|(r, found)| Some((part(&found.1)?, r, found))).collect();
-    all.retain(|(part, ..)| *part < Thresholds::READINGS_LESS);
+    all.retain(|(part, ..)| *part < diagnose::READING_LESS);
     let weight = |(part, (between, _), _): &(f64, (Between, Reading), Found)| match between {
         Between::Line => part / Thresholds::STRAIGHT,
         _ => *part,
@@ -342,7 +342,7 @@ fn sentence(baseline: &Baseline) -> String {
     format!(
         "{}: no --model was given; a linear one is identified from the first {:.0} % of the logs: {}{left}",
         baseline.output,
-        100.0 * (1.0 - Thresholds::HELD_OUT),
+        100.0 * (1.0 - diagnose::HELD_OUT),
         numbers(baseline)
     )
 }

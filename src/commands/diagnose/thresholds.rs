@@ -4,17 +4,12 @@
 pub(super) struct Thresholds;
 
 impl Thresholds {
-    /// Part of each record that is held out: that of the diagnosis itself, whose thresholds are its own.
-    pub(super) const HELD_OUT: f64 = 0.3;
     /// Part of what the linear plant leaves that the one with plays must leave at most, for its linear parts to be
     /// taken.
     pub(super) const WITH_PLAYS: f64 = 0.9;
     /// Part of the mean square that parts in a row leave of a response that modes side by side must leave at most, to
     /// be taken: many modes follow the scatter of a nonlinear machine, too.
     pub(super) const SIDE_BY_SIDE: f64 = 0.25;
-    /// Part of the mean square that a linear model leaves with the usual readings that it must leave at most with
-    /// others, for these to be taken: as much as in the diagnosis, which tries them with its own model.
-    pub(super) const READINGS_LESS: f64 = 0.7;
     /// How many times as much a command straight between the rows may leave as one that acts at once, of which a delay
     /// makes the same.
     pub(super) const STRAIGHT: f64 = 1.1;
