@@ -7,6 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use common::{json, refuse, succeed};
+use control::{CommandActs, Damping};
 use serde_json::Value;
 
 /// Runs the controller c.toml as FMU over in.csv and in this process with the same inputs, and compares the outputs.
@@ -235,6 +236,28 @@ fn the_four_control_systems_of_coupled_axes() {
     assert!(errors[0] > errors[1] && errors[1] > errors[2] && errors[2] > errors[3], "{errors:?}");
     let message = refuse(&["invert", "p1", "--system", "2", "-o", "c.toml"], at);
     assert!(message.contains("coupled"), "{message}");
+}
+
+/// All but those that hold where nothing is said.
+#[test]
+fn the_python_package_lists_the_kinds_of_the_tool() {
+    let module = common::root().join("python/piezoloop/_workflow.py");
+    let text = fs::read_to_string(module).expect("a module");
+    let listed = |option: &str| {
+        let mut lines = text.lines().filter(|line| line.trim_start().starts_with(option));
+        let line = lines.find(|line| line.contains("``")).expect(option);
+        let mut names: Vec<_> = line.split("``").skip(1).step_by(2).map(str::to_owned).collect();
+        names.sort();
+        names
+    };
+    let sorted = |mut names: Vec<&'static str>| {
+        names.sort_unstable();
+        names
+    };
+    let dampings = Damping::ALL.iter().filter(|damping| **damping != Damping::default());
+    assert_eq!(listed("damping:"), sorted(dampings.map(|damping| damping.name()).collect()));
+    let acts = CommandActs::ALL.iter().filter(|acts| **acts != CommandActs::default());
+    assert_eq!(listed("command_acts:"), sorted(acts.map(|acts| acts.name()).collect()));
 }
 
 /// A stage with a lightly damped mode.

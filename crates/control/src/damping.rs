@@ -62,7 +62,7 @@ pub(crate) fn slopes(steepest: f64, least: f64) -> [f64; 3] {
 /// but for `with_feedforward`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DampingFigures {
-    /// `irc`, `ppf`, `nrc` or `notch`.
+    /// Name of the law, see [`Damping::name`].
     pub law: &'static str,
     /// Gain of the inner loop in command per position; 0 for a notch.
     pub gain: f64,

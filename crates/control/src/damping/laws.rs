@@ -191,3 +191,14 @@ impl Damping {
         bounds
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Damping;
+
+    #[test]
+    fn the_automatic_choice_names_what_it_chooses_from() {
+        let summary = Damping::Automatic.summary();
+        assert!(Damping::LAWS.iter().all(|law| summary.contains(law.name())), "{summary}");
+    }
+}
