@@ -36,10 +36,7 @@ use crate::{fmus, ranges};
 pub(crate) struct Emulate {
     /// The plant: an FMU, a blueprint or the name of a rig
     plant: PathBuf,
-    /// Address of the machine: udp://IP:PORT, shm://NAME, gcs://IP:PORT or nv200://IP:PORT [default for --protocol
-    /// gcs: gcs://127.0.0.1:50000, for nv200: nv200://127.0.0.1:50023]. With a file, as in gcs:///tmp/stage, the
-    /// instrument is at a serial line: a pseudo terminal to which the file becomes a link
-    #[arg(long, value_name = "ADDRESS", value_parser = super::address, required_unless_present = "protocol")]
+    #[arg(long, value_name = "ADDRESS", value_parser = super::address, required_unless_present = "protocol", help = gateway_help())]
     gateway: Option<Address>,
     /// Protocol [default: that of the address]
     #[arg(long, value_name = "NAME")]
@@ -126,6 +123,22 @@ struct Played {
     served: Served,
     /// Packets that were refused for their tags; none: there is no key.
     keyed: Option<Refused>,
+}
+
+/// The help of `--gateway`.
+fn gateway_help() -> String {
+    let mut forms = Address::forms(End::Machine);
+    forms.extend(Kind::ALL.map(|kind| format!("{}://IP:PORT", kind.named().0)));
+    let defaults = Kind::ALL.map(|kind| {
+        let name = kind.named().0;
+        format!("{name}: {name}://{}", kind.here())
+    });
+    format!(
+        "Address of the machine: {} [default for --protocol {}]. With a file, as in gcs:///tmp/stage, the instrument is at \
+         a serial line: a pseudo terminal to which the file becomes a link",
+        super::alternatives(&forms),
+        defaults.join(", for ")
+    )
 }
 
 fn other_protocol(address: &Address) -> String {

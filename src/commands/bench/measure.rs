@@ -40,8 +40,7 @@ pub(crate) struct Measure {
     /// Column of the signal [default: the only one]
     #[arg(long, value_name = "COLUMN")]
     column: Option<String>,
-    /// The instrument: gcs://IP, gcs:///dev/ttyUSB0, nv200://IP or nv200:///dev/ttyUSB0, with ?axes=N to choose an axis
-    #[arg(long, value_name = "ADDRESS", value_parser = super::address)]
+    #[arg(long, value_name = "ADDRESS", value_parser = super::address, help = super::instrument_help())]
     gateway: Address,
     /// Times the signal is played
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = ranges::integers(1, 10_000_u32))]

@@ -12,7 +12,7 @@ mod tune;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use bench::gateway::{Address, End, Gateway, Key, KeyedGateway};
+use bench::gateway::{self, Address, End, Gateway, Key, KeyedGateway};
 use clap::{Args, Subcommand};
 use cli::Screen;
 use cosim::Fmu;
@@ -56,7 +56,7 @@ impl Bench {
             Command::Recover(command) => command.run(screen),
             Command::Replay(command) => command.run(screen),
             Command::Header => {
-                screen.say(bench::gateway::C_HEADER.trim_end());
+                screen.say(gateway::C_HEADER.trim_end());
                 Ok(0)
             }
             Command::Packet => {
@@ -95,9 +95,28 @@ pub(super) struct KeyOptions {
 
 /// An address, whose message clap puts behind the value.
 pub(super) fn address(text: &str) -> Result<Address, String> {
-    text.parse().map_err(|error: bench::gateway::GatewayError| {
+    text.parse().map_err(|error: gateway::GatewayError| {
         error.to_string().replacen(&format!("gateway `{text}`: "), "", 1)
     })
+}
+
+/// Ways to write an address, as in `udp://IP:PORT, shm://NAME or gcs://IP:PORT`.
+fn alternatives(all: &[String]) -> String {
+    match all {
+        [] => String::new(),
+        [only] => only.clone(),
+        [others @ .., last] => format!("{} or {last}", others.join(", ")),
+    }
+}
+
+/// The help of an address of an instrument with its own wave generator and data recorder.
+fn instrument_help() -> String {
+    let known = gateway::PROTOCOLS.iter().filter(|protocol| protocol.station.is_some());
+    let places = known.flat_map(|protocol| {
+        ["IP", "/dev/ttyUSB0"].map(|place| format!("{}://{place}", protocol.scheme))
+    });
+    let all = alternatives(&places.collect::<Vec<_>>());
+    format!("The instrument: {all}, with ?axes=N to choose an axis")
 }
 
 impl KeyOptions {

@@ -34,9 +34,7 @@ pub(crate) struct Run {
     /// A bench plan (TOML); options on the command line override it
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
-    /// Address of the machine: udp://IP:PORT, shm://NAME, ethercat://INTERFACE, gcs://IP:PORT, nv200://IP:PORT or
-    /// plugin://FILE?OPTIONS
-    #[arg(long, value_name = "ADDRESS", value_parser = super::address)]
+    #[arg(long, value_name = "ADDRESS", value_parser = super::address, help = gateway_help())]
     gateway: Option<Address>,
     /// Own address, for a machine on another computer [default: 127.0.0.1 and the next port]
     #[arg(long, value_name = "IP:PORT")]
@@ -87,6 +85,11 @@ struct Ran {
     /// What the page shows.
     #[serde(skip)]
     rows: Option<Rows>,
+}
+
+/// The help of `--gateway`.
+fn gateway_help() -> String {
+    format!("Address of the machine: {}", super::alternatives(&Address::forms(End::Runner)))
 }
 
 impl Run {

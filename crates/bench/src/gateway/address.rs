@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use super::protocol::Protocol;
-use super::{GatewayError, PROTOCOLS};
+use super::{End, GatewayError, PROTOCOLS};
 
 /// Where the machine is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,6 +33,20 @@ pub enum Address {
         /// What it gets, as it stands.
         options: String,
     },
+}
+
+impl Address {
+    /// How the addresses of an end are written, one for each transport.
+    #[must_use]
+    pub fn forms(end: End) -> Vec<String> {
+        let mut all = vec!["udp://IP:PORT".to_owned(), "shm://NAME".to_owned()];
+        if end == End::Runner {
+            all.push("ethercat://INTERFACE".to_owned());
+            all.extend(PROTOCOLS.iter().map(|known| format!("{}://IP:PORT", known.scheme)));
+            all.push("plugin://FILE?OPTIONS".to_owned());
+        }
+        all
+    }
 }
 
 /// Where an instrument is.
@@ -139,6 +153,11 @@ mod tests {
 
     #[test]
     fn addresses_are_read_and_written() {
+        let forms = Address::forms(End::Runner);
+        for form in &forms {
+            let text = form.replace("IP:PORT", "10.0.0.2:9000");
+            assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
+        }
         for text in [
             "udp://10.0.0.2:9000",
             "udp://[::1]:9000",
@@ -153,6 +172,8 @@ mod tests {
             "plugin:///opt/card.so?ao=Dev1/ao0:1 range=10?x",
         ] {
             assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
+            let scheme = text.split_inclusive("://").next().unwrap();
+            assert!(forms.iter().any(|form| form.starts_with(scheme)), "{text}");
         }
         for (text, word) in [
             ("udp://stage:9000", "looked up"),

@@ -40,8 +40,7 @@ const LOWERED: f64 = 0.01;
     after_help = "Examples:\n  piezoloop bench tune gcs://10.0.0.5\n  piezoloop bench tune 'gcs:///dev/ttyUSB0?axes=2' --frequency 10 --amplitude 5 --write\n  piezoloop bench tune nv200://10.0.0.6 --write --yes"
 )]
 pub(crate) struct Tune {
-    /// The instrument: gcs://IP, gcs:///dev/ttyUSB0, nv200://IP or nv200:///dev/ttyUSB0, with ?axes=N to choose an axis
-    #[arg(value_name = "ADDRESS", value_parser = super::address)]
+    #[arg(value_name = "ADDRESS", value_parser = super::address, help = super::instrument_help())]
     gateway: Address,
     /// Frequency of the triangle in Hz [default: 5, or what the wave generator reaches]
     #[arg(long, value_name = "HZ", default_value_t = 5.0, value_parser = ranges::from(0.01, 10_000.0))]
