@@ -2,7 +2,7 @@
 
 use data::Blueprint;
 use model::{
-    Causality, Component, Conversion, Declaration, Input, Output, Quantity, Registry, Sizes, Stage,
+    Causality, Component, Conversion, Declaration, Input, Quantity, Registry, Sizes, Stage,
     Structural, Tick, Violation,
 };
 
@@ -16,26 +16,12 @@ static REGISTRY: Registry = &[
     &Sum(&LAW),
 ];
 
-const BASE: Declaration = Declaration {
-    kind: "",
-    name: "",
-    summary: "",
-    equation: "",
-    reference: "",
-    stage: Stage::Actuator,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
-    parameters: &[],
-};
 static GAIN: Declaration = Declaration {
     kind: "gain",
     name: "gain",
     conversion: Conversion::CommandToPosition,
     parameters: &[Quantity::new("gain", "{position}/{command}", "Gain")],
-    ..BASE
+    ..Declaration::PATH
 };
 static PUSH: Declaration = Declaration {
     kind: "push",
@@ -43,14 +29,14 @@ static PUSH: Declaration = Declaration {
     stage: Stage::Mechanics,
     inputs: &[Input::PATH, Input::FORCE],
     parameters: &[Quantity::new("stiffness", "N/{position}", "Stiffness")],
-    ..BASE
+    ..Declaration::PATH
 };
 static SENSOR: Declaration = Declaration {
     kind: "sensor",
     name: "sensor",
     stage: Stage::Sensor,
     parameters: &[Quantity::new("offset", "{position}", "Offset")],
-    ..BASE
+    ..Declaration::PATH
 };
 static LAW: Declaration = Declaration {
     kind: "law",
@@ -58,7 +44,7 @@ static LAW: Declaration = Declaration {
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
     parameters: &[Quantity::new("gain", "{command}/{position}", "Gain")],
-    ..BASE
+    ..Declaration::PATH
 };
 const MATRIX: [Structural; 2] = [
     Structural::count("axes", "Number of axes", 2, 8),
@@ -71,7 +57,7 @@ static CROSS: Declaration = Declaration {
     inputs: &[Input::EACH_PATH],
     structure: &MATRIX,
     parameters: &[Quantity::new("matrix", "1", "Matrix").per(1)],
-    ..BASE
+    ..Declaration::PATH
 };
 static OPTICS: Declaration = Declaration {
     kind: "optics",

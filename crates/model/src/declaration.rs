@@ -54,6 +54,23 @@ pub struct Declaration {
 }
 
 impl Declaration {
+    /// The signal path in and out, and nothing else; a declaration takes from it (`..Declaration::PATH`)
+    /// what it does not say itself. Texts and stage are each component's own.
+    pub const PATH: Self = Self {
+        kind: "",
+        name: "",
+        summary: "",
+        equation: "",
+        reference: "",
+        stage: Stage::Actuator,
+        conversion: Conversion::None,
+        effect: None,
+        inputs: &[Input::PATH],
+        outputs: &[Output::PATH],
+        structure: &[],
+        parameters: &[],
+    };
+
     /// Whether a blueprint or a start value may switch it off: it models an effect and leaves the
     /// kind of signal as it is.
     #[must_use]

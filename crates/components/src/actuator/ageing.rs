@@ -18,9 +18,7 @@
 use core::f64::consts::LOG10_E;
 
 use libm::{fmax, log1p};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
@@ -35,17 +33,14 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x*(1 - per_decade*lg(1 + t/age))",
     reference: "B. Jaffe, W. R. Cook, H. Jaffe, Piezoelectric Ceramics, Academic Press 1971, ch. 2",
     stage: Stage::Actuator,
-    conversion: Conversion::None,
     effect: Some(&effects::ACTUATOR_GAIN),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("per_decade", "1", "Relative loss of the gain per decade of time").fitted(),
         Quantity::new("age", "s", "Time since poling at the start of the run")
             .start(86_400.0)
             .min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for ActuatorAgeing {

@@ -9,7 +9,7 @@
 //! Limits: no hysteresis, no dynamics; a linear baseline, or the actuator in front of a mode whose
 //! gain is 1.
 
-use model::{Conversion, Declaration, Input, Output, Quantity, Role, Stage};
+use model::{Conversion, Declaration, Quantity, Role, Stage};
 
 use crate::affine::Affine;
 use crate::effects;
@@ -26,15 +26,13 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::ACTUATOR_GAIN),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("gain", "{position}/{command}", "Position per command")
             .role(Role::Slope)
             .fitted(),
         Quantity::new("offset", "{position}", "Position at zero command").start(0.0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 #[cfg(test)]

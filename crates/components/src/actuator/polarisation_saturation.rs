@@ -9,7 +9,7 @@
 //! Limits: symmetric about the centre; static.
 
 use crate::hysteresis::play::between;
-use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
@@ -25,11 +25,7 @@ static DECLARATION: Declaration = Declaration {
                straight beyond 1",
     reference: "IEEE Std 176-1987, IEEE Standard on Piezoelectricity (nonlinear limits)",
     stage: Stage::Actuator,
-    conversion: Conversion::None,
     effect: Some(&effects::POLARISATION_SATURATION),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("flattening", "1", "Loss at the ends, relative to half the range")
             .min(0.0)
@@ -38,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("centre", "{command}", "Middle of the range"),
         Quantity::new("half_range", "{command}", "Half of the range").min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for PolarisationSaturation {

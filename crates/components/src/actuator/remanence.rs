@@ -16,9 +16,7 @@
 //! 2003, ch. 1 (wiping out).
 
 use libm::{fabs, fmax};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
@@ -33,17 +31,15 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + remanence*max(0, 1 - w/reach); w = max |u(s) - u(0)|, s <= t",
     reference: "I. D. Mayergoyz, Mathematical Models of Hysteresis and Their Applications, 2003",
     stage: Stage::Actuator,
-    conversion: Conversion::None,
     effect: Some(&effects::INITIAL_STATE),
     inputs: &[Input::PATH, Input { at_rest: false, ..Input::axis("command") }],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("remanence", "{position}", "Difference at the start").fitted(),
         Quantity::new("reach", "{command}", "Excursion of the command that wipes it out")
             .min(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for Remanence {

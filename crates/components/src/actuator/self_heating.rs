@@ -19,9 +19,7 @@
 use core::f64::consts::FRAC_PI_2;
 
 use libm::fabs;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::approach;
@@ -38,11 +36,8 @@ static DECLARATION: Declaration = Declaration {
                y = x*(1 + coefficient*T) + growth*T",
     reference: "K. Uchino, S. Hirose, IEEE Trans. UFFC 48 (2001) 307-321",
     stage: Stage::Actuator,
-    conversion: Conversion::None,
     effect: Some(&effects::SELF_HEATING),
     inputs: &[Input::PATH, Input::axis("command")],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("loss", "1", "Loss tangent").min(0.0).fitted(),
         Quantity::new("capacitance", "F", "Capacitance").min(0.0),
@@ -61,6 +56,7 @@ static DECLARATION: Declaration = Declaration {
             .start(1.0)
             .min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 /// |ṽ·Δv| over a step that ends at v; the mean and the last v follow.

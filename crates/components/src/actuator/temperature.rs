@@ -8,7 +8,7 @@
 //!
 //! Limits: linear; it scales the whole path, as sensor data cannot tell it from a sensor's gain.
 
-use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
 use crate::rules::WRONG_LENGTH;
@@ -23,11 +23,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x*(1 + coefficient*(temperature - reference))",
     reference: "makers' tables of multilayer actuators",
     stage: Stage::Actuator,
-    conversion: Conversion::None,
     effect: Some(&effects::ACTUATOR_GAIN),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("coefficient", "1/K", "Relative change of the gain per kelvin").fitted(),
         Quantity::new("temperature", "degC", "Temperature of the actuator")
@@ -38,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
             .start(20.0)
             .min(-273.15),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for ActuatorTemperature {

@@ -18,9 +18,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation};
 
 use super::self_heating::alternating;
 use crate::linear::approach;
@@ -37,8 +35,6 @@ static DECLARATION: Declaration = Declaration {
                pi/2*loss*capacitance*|(v - mean(v))*v'|",
     reference: "K. Uchino, S. Hirose, IEEE Trans. UFFC 48 (2001) 307-321",
     stage: Stage::Actuator,
-    conversion: Conversion::None,
-    effect: None,
     inputs: &[
         Input::PATH,
         Input::axis_at_rest("actuator_temperature"),
@@ -48,7 +44,6 @@ static DECLARATION: Declaration = Declaration {
         Output::PATH,
         Output::published("heat", "W", "Heat that flows out of the actuator", false),
     ],
-    structure: &[],
     parameters: &[
         Quantity::new("growth", "{position}/K", "Change of the position per kelvin").fitted(),
         Quantity::new("loss", "1", "Loss tangent").min(0.0).fitted(),
@@ -61,6 +56,7 @@ static DECLARATION: Declaration = Declaration {
             .start(1.0)
             .min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for ThermalPort {

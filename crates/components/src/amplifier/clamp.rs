@@ -11,7 +11,7 @@
 //!
 //! Limits: static; the same softness at both ends.
 
-use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
@@ -27,11 +27,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
-    conversion: Conversion::None,
     effect: Some(&effects::AMPLIFIER_SATURATION),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("low", "{command}", "Least voltage").fitted(),
         Quantity::new("high", "{command}", "Greatest voltage").fitted(),
@@ -40,6 +36,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 /// `max(d, 0)` with a parabola within `softness` of 0.

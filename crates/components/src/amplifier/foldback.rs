@@ -14,9 +14,7 @@
 //! discharging.
 
 use libm::{fabs, fmin};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::approach;
@@ -34,11 +32,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
-    conversion: Conversion::None,
     effect: Some(&effects::AMPLIFIER_SLEW),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("continuous", "A", "Greatest rms current").min(0.0).fitted(),
         Quantity::new("peak", "A", "Greatest current at any time").min(0.0).fitted(),
@@ -47,6 +41,7 @@ static DECLARATION: Declaration = Declaration {
             .start(1.0)
             .min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for AmplifierFoldback {

@@ -10,9 +10,7 @@
 //!
 //! Limits: no current limit, no saturation, the capacitance is constant.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::lag_fraction;
@@ -29,11 +27,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
-    conversion: Conversion::None,
     effect: Some(&effects::AMPLIFIER_BANDWIDTH),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("bandwidth", "Hz", "Frequency at which the gain has fallen by 3 dB")
             .releases(&effects::AMPLIFIER_BANDWIDTH)
@@ -41,6 +35,7 @@ static DECLARATION: Declaration = Declaration {
             .fitted(),
         Quantity::new("gain", "1", "Gain at low frequency").start(1.0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for AmplifierLag {

@@ -8,7 +8,7 @@
 //!
 //! Limits: static; meant for |ξ| ≤ 1.
 
-use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
@@ -24,11 +24,7 @@ static DECLARATION: Declaration = Declaration {
                centre)/half_range",
     reference: "IEEE Std 1241, Terminology and Test Methods for Analog-to-Digital Converters",
     stage: Stage::Amplifier,
-    conversion: Conversion::None,
     effect: Some(&effects::SENSOR_NONLINEARITY),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("offset", "{command}", "Voltage at zero command").start(0.0).fitted(),
         Quantity::new("quadratic", "1", "Quadratic deviation at the end of the range")
@@ -38,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("centre", "{command}", "Middle of the range"),
         Quantity::new("half_range", "{command}", "Half of the range").min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for AmplifierNonlinearity {

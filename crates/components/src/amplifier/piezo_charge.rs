@@ -14,9 +14,7 @@
 //! Limits: linear capacitance, no losses; the voltage is imposed: the amplifier's reaction to the
 //! current is the amplifier components' business.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::rules::WRONG_LENGTH;
 
@@ -30,8 +28,6 @@ static DECLARATION: Declaration = Declaration {
     equation: "q = capacitance*v + transduction*x; i = dq/dt",
     reference: "M. Goldfarb, N. Celanovic, IEEE Control Systems 17 (1997) 69-79",
     stage: Stage::Amplifier,
-    conversion: Conversion::None,
-    effect: None,
     inputs: &[Input::PATH, Input::axis_at_rest("displacement")],
     outputs: &[
         Output::PATH,
@@ -39,7 +35,6 @@ static DECLARATION: Declaration = Declaration {
         Output::published("charge", "C", "Charge on the actuator", false),
         Output::published("current", "A", "Current into the actuator, mean of the step", false),
     ],
-    structure: &[],
     parameters: &[
         Quantity::new("capacitance", "C/{command}", "Capacitance at constant length")
             .min(0.0)
@@ -48,6 +43,7 @@ static DECLARATION: Declaration = Declaration {
             .start(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for PiezoCharge {

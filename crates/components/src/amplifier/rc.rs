@@ -23,9 +23,7 @@
 //! Systems 17 (1997) 69–79 (the motional charge).
 
 use libm::{copysign, exp, fabs, fmax, log};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
@@ -42,11 +40,8 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
-    conversion: Conversion::None,
     effect: Some(&effects::AMPLIFIER_BANDWIDTH),
     inputs: &[Input::PATH, Input::axis("displacement")],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("resistance", "Ohm", "Output resistance").min(0.0).fitted(),
         Quantity::new("capacitance", "F", "Capacitance of the actuator").min(0.0),
@@ -56,6 +51,7 @@ static DECLARATION: Declaration = Declaration {
             .start(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 /// What is left of the way to the input, over a step with a steady motional current.

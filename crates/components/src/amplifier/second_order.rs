@@ -8,7 +8,7 @@
 //!
 //! Limits: linear: no current limit, no saturation.
 
-use model::{Conversion, Declaration, Input, Output, Quantity, Stage};
+use model::{Declaration, Quantity, Stage};
 
 use crate::effects;
 use crate::low_pass::{self, LowPass};
@@ -25,16 +25,13 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
-    conversion: Conversion::None,
     effect: Some(&effects::AMPLIFIER_BANDWIDTH),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency").min(0.0).fitted(),
         Quantity::new("damping", "1", "Damping ratio; 0.707 is flat").min(0.0).fitted(),
         Quantity::new("gain", "1", "Gain at low frequency").start(1.0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 #[cfg(test)]

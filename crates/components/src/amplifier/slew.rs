@@ -8,9 +8,7 @@
 //!
 //! Limits: the same limit for charging and discharging; constant capacitance.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
@@ -26,12 +24,9 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, K. K. Leang, Design, Modeling and Control of Nanopositioning \
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
-    conversion: Conversion::None,
     effect: Some(&effects::AMPLIFIER_SLEW),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[Quantity::new("rate", "{command}/s", "Greatest slope").min(0.0).fitted()],
+    ..Declaration::PATH
 };
 
 /// v after a step towards u, by at most these ways down and up.

@@ -100,18 +100,17 @@ static INTEGRAL_RESONANT: Declaration = Declaration {
     reference: "S. S. Aphale, A. J. Fleming, S. O. R. Moheimani, Smart Mater. Struct. 16 (2007) 439-446",
     stage: Stage::Control,
     conversion: Conversion::Control,
-    effect: None,
     inputs: &[Input::PATH, Input::axis("reference"), Input::axis("measured"), ENABLE],
     outputs: &[
         Output::PATH,
         Output::published("damping", "{command}", "What the active damping adds", false),
     ],
-    structure: &[],
     parameters: &[
         GAIN,
         Quantity::new("frequency", "Hz", "Corner frequency of the low-pass").min(0.0).tunable(),
         WEIGHT,
     ],
+    ..Declaration::PATH
 };
 
 static POSITIVE_POSITION: Declaration = Declaration {

@@ -19,9 +19,7 @@
 //! Source: Q. Xu, IEEE Trans. Industrial Electronics 60 (2013) 3927–3937, eqs. (1), (2), (4).
 
 use libm::fabs;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::hysteresis::play::between;
 use crate::rules::{WRONG_LENGTH, require};
@@ -37,10 +35,6 @@ static DECLARATION: Declaration = Declaration {
     reference: "Q. Xu, IEEE Trans. Ind. Electron. 60 (2013) 3927-3937, eqs. (1), (2), (4)",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("gain", "{position}/{command}", "D, position per command without hysteresis")
             .tunable()
@@ -55,6 +49,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .tunable(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for BoucWenFeedforward {

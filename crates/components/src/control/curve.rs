@@ -14,10 +14,7 @@
 //! Source: inverse of a static nonlinearity by interpolation, e.g. G. Tao, P. V. Kokotović, Adaptive Control of
 //! Systems with Actuator and Sensor Nonlinearities, Wiley 1996, ch. 2.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Violation};
 
 use crate::rules::{WRONG_LENGTH, require_at};
 
@@ -41,15 +38,12 @@ static REFERENCE: Declaration = Declaration {
     reference: "G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor \
                 Nonlinearities, Wiley 1996, ch. 2",
     stage: Stage::Control,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural::count("points", "Number of points", 2, 4096)],
     parameters: &[
         Quantity::new("at", "{position}", "Inputs of the points, increasing").per(0),
         Quantity::new("value", "{position}", "Output at each point").per(0),
     ],
+    ..Declaration::PATH
 };
 
 static COMMAND: Declaration = Declaration {

@@ -15,10 +15,7 @@
 //! Source: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatronics 1 (1996) 56–67; for a
 //! machine with its inverse: J. Yi, S. Chang, Y. Shen, IEEE/ASME Trans. Mechatronics 14 (2009) 456–464.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use super::limiter::ENABLE;
 use crate::hysteresis::play::between;
@@ -37,10 +34,7 @@ static DECLARATION: Declaration = Declaration {
                s/(2*pi*bandwidth)); |d| <= limit",
     reference: "K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatronics 1 (1996) 56-67",
     stage: Stage::Control,
-    conversion: Conversion::None,
-    effect: None,
     inputs: &[Input::PATH, Input::axis("measured"), ENABLE],
-    outputs: &[Output::PATH],
     structure: &[Structural::real("longest", "s", "Longest delay that can be set", 0.1, 0.0, 10.0)],
     parameters: &[
         Quantity::new("bandwidth", "Hz", "Frequency up to which disturbances are compensated")
@@ -59,6 +53,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .tunable(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for DisturbanceObserver {

@@ -7,7 +7,7 @@
 //!
 //! Limits: no hysteresis, no dynamics; the baseline against which inverse models are judged.
 
-use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
+use model::{Component, Conversion, Declaration, Quantity, Sizes, Stage, Violation};
 
 use crate::rules::WRONG_LENGTH;
 
@@ -22,10 +22,6 @@ static DECLARATION: Declaration = Declaration {
     reference: "inverse of a linear actuator",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("gain", "{command}/{position}", "Command per position").tunable().fitted(),
         Quantity::new("offset", "{position}", "Position at zero command")
@@ -33,6 +29,7 @@ static DECLARATION: Declaration = Declaration {
             .tunable()
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for FeedforwardGain {

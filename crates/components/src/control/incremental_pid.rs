@@ -35,7 +35,6 @@ static DECLARATION: Declaration = Declaration {
     reference: "LS-SVM with stop operators tuned by particle swarm, eqs. (22), (23)",
     stage: Stage::Control,
     conversion: Conversion::Control,
-    effect: None,
     inputs: &[
         Input { name: "feedforward", ..Input::PATH },
         Input::axis("reference"),
@@ -48,7 +47,6 @@ static DECLARATION: Declaration = Declaration {
         Output::published("feedback", "{command}", "Feedback before the limits", false),
         Output::published("saturated", "1", "The command is at a limit", true),
     ],
-    structure: &[],
     parameters: &[
         Quantity::new("kp", "{command}/{position}", "Proportional gain").tunable().fitted(),
         Quantity::new("ki", "{command}/{position}/s", "Integral gain")
@@ -66,6 +64,7 @@ static DECLARATION: Declaration = Declaration {
         HOLD,
         SAFE,
     ],
+    ..Declaration::PATH
 };
 
 /// Coefficients beside those of the limiter.

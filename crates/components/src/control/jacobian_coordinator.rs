@@ -44,7 +44,6 @@ static DECLARATION: Declaration = Declaration {
     reference: "laser beam pointing with four piezo axes, eqs. (14), (18), (19)",
     stage: Stage::Control,
     conversion: Conversion::PositionToMotion,
-    effect: None,
     inputs: &[Input::EACH_PATH, Input::each("measured")],
     outputs: &[
         Output::PATH,
@@ -64,6 +63,7 @@ static DECLARATION: Declaration = Declaration {
         .start(1000.0)
         .min(1.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for JacobianCoordinator {

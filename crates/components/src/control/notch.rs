@@ -35,12 +35,8 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = (s^2 + 2*damping*depth*w*s + w^2)/(s^2 + 2*damping*w*s + w^2)*u; w = 2*pi*frequency",
     reference: "K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 8",
     stage: Stage::Control,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &PARAMETERS,
+    ..Declaration::PATH
 };
 
 const PARAMETERS: [Quantity; 3] = [
@@ -61,15 +57,14 @@ static FEEDBACK: Declaration = Declaration {
     reference: "K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 8",
     stage: Stage::Control,
     conversion: Conversion::Control,
-    effect: None,
     inputs: &[Input::PATH, Input::axis_at_rest("reference"), Input::axis_at_rest("measured")],
     outputs: &[
         Output::PATH,
         Output { name: "reference", published: None },
         Output { name: "measured", published: None },
     ],
-    structure: &[],
     parameters: &PARAMETERS,
+    ..Declaration::PATH
 };
 
 impl Component for Notch {

@@ -49,7 +49,6 @@ static DECLARATION: Declaration = Declaration {
     reference: "K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 3 and 13",
     stage: Stage::Control,
     conversion: Conversion::Control,
-    effect: None,
     inputs: &[
         Input { name: "feedforward", ..Input::PATH },
         Input::axis("reference"),
@@ -62,7 +61,6 @@ static DECLARATION: Declaration = Declaration {
         Output::published("feedback", "{command}", "Feedback before the limits", false),
         Output::published("saturated", "1", "The command is at a limit", true),
     ],
-    structure: &[],
     parameters: &[
         Quantity::new("kp", "{command}/{position}", "Proportional gain").tunable().fitted(),
         Quantity::new("ki", "{command}/{position}/s", "Integral gain")
@@ -96,6 +94,7 @@ static DECLARATION: Declaration = Declaration {
         HOLD,
         SAFE,
     ],
+    ..Declaration::PATH
 };
 
 impl Component for Pid {

@@ -57,7 +57,6 @@ static DECLARATION: Declaration = Declaration {
     reference: "M. Tomizuka, ASME J. Dyn. Syst. Meas. Control 115 (1993) 412-418",
     stage: Stage::Control,
     conversion: Conversion::PositionToMotion,
-    effect: None,
     inputs: &[Input::EACH_PATH, Input::each("measured")],
     outputs: &[
         Output::PATH,
@@ -72,6 +71,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("taps", "1", "Motion per motion of each tap, row by row, tap after tap")
             .per(2),
     ],
+    ..Declaration::PATH
 };
 
 /// Axes, taps and steps of preview.

@@ -9,9 +9,7 @@
 //!
 //! Source: K. J. Åström, T. Hägglund, Advanced PID Control, ISA 2006, ch. 5 (set-point filter).
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Output, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::linear::SecondOrder;
 use crate::rules::{WRONG_LENGTH, require};
@@ -26,15 +24,12 @@ static DECLARATION: Declaration = Declaration {
     equation: "r_f + 2*damping*r_f'/w + r_f''/w^2 = r; w = 2*pi*frequency",
     reference: "K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 5",
     stage: Stage::Control,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
     outputs: &[Output::PATH, Output { name: "reference", published: None }],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency").min(0.0).tunable(),
         Quantity::new("damping", "1", "Damping ratio").start(1.0).min(0.1).tunable(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for ReferenceFilter {

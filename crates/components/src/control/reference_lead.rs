@@ -17,9 +17,7 @@
 //! Source: inversion of linear dynamics for feedforward, S. Devasia, E. Eleftheriou, S. O. R.
 //! Moheimani, IEEE Trans. Control Systems Technology 15 (2007) 802–823.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::hysteresis::play::between;
 use crate::rules::WRONG_LENGTH;
@@ -35,11 +33,6 @@ static DECLARATION: Declaration = Declaration {
     reference: "S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. Control Syst. \
                 Technol. 15 (2007) 802-823",
     stage: Stage::Control,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("lag", "s", "Sum of the path's time constants and delays").min(0.0).tunable(),
         Quantity::new("inertia", "s2", "Second-order coefficient, 1/omega^2 for one mode")
@@ -49,6 +42,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .tunable(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for ReferenceLead {

@@ -14,10 +14,7 @@
 //! Source: M. Tomizuka, On the design of digital tracking controllers, ASME J. Dyn. Syst. Meas.
 //! Control 115 (1993) 412–418.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Output, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use crate::rules::WRONG_LENGTH;
 use crate::timing::delay::{Ring, ring_size, steps_of};
@@ -32,9 +29,6 @@ static DECLARATION: Declaration = Declaration {
     equation: "path = r(t); reference = r(t - preview)",
     reference: "M. Tomizuka, ASME J. Dyn. Syst. Meas. Control 115 (1993) 412-418",
     stage: Stage::Control,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
     outputs: &[Output::PATH, Output { name: "reference", published: None }],
     structure: &[Structural::real(
         "longest",
@@ -48,6 +42,7 @@ static DECLARATION: Declaration = Declaration {
         .min(0.0)
         .at_most(0)
         .tunable()],
+    ..Declaration::PATH
 };
 
 impl Component for ReferencePreview {

@@ -47,7 +47,6 @@ static DECLARATION: Declaration = Declaration {
     reference: "D. A. Bristow, M. Tharayil, A. G. Alleyne, IEEE Control Systems 26 (2006) 96-114",
     stage: Stage::Control,
     conversion: Conversion::Control,
-    effect: None,
     inputs: &[Input::PATH, Input::axis("reference"), Input::axis("measured"), ENABLE],
     outputs: &[Output { name: "command", published: None }],
     structure: &[
@@ -83,6 +82,7 @@ static DECLARATION: Declaration = Declaration {
             .tunable(),
         Quantity::new("limit", "{command}", "Greatest command that is learned").min(0.0).tunable(),
     ],
+    ..Declaration::PATH
 };
 
 /// Samples of a cycle and half length of the window.

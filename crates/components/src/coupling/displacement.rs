@@ -9,10 +9,7 @@
 //!
 //! Limits: linear; the neighbour does not feel the motion that it causes.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural,
-    Violation,
-};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Structural, Violation};
 
 use super::matrix;
 use crate::effects;
@@ -29,10 +26,8 @@ static DECLARATION: Declaration = Declaration {
     equation: "y[i] = x[i] + sum(matrix[i,j]*x[j])",
     reference: "S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. CST 15 (2007) 802-823",
     stage: Stage::Coupling,
-    conversion: Conversion::None,
     effect: Some(&effects::CROSS_COUPLING),
     inputs: &[Input::EACH_PATH],
-    outputs: &[Output::PATH],
     structure: &STRUCTURE,
     parameters: &[Quantity::new(
         "matrix",
@@ -41,6 +36,7 @@ static DECLARATION: Declaration = Declaration {
     )
     .per(1)
     .fitted()],
+    ..Declaration::PATH
 };
 
 impl Component for DisplacementCoupling {

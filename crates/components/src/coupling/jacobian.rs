@@ -10,8 +10,7 @@
 //! Limits: small angles, fixed geometry.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural,
-    Violation,
+    Component, Conversion, Declaration, Input, Quantity, Sizes, Stage, Structural, Violation,
 };
 
 use super::matrix;
@@ -30,15 +29,14 @@ static DECLARATION: Declaration = Declaration {
                 J*theta + p0",
     stage: Stage::Coupling,
     conversion: Conversion::MotionToPosition,
-    effect: None,
     inputs: &[Input::EACH_PATH],
-    outputs: &[Output::PATH],
     structure: &STRUCTURE,
     parameters: &[
         // In a conversion of motion {command} is the unit of the motion.
         Quantity::new("matrix", "{position}/{command}", "Jacobian, row by row").per(1).fitted(),
         Quantity::new("offset", "{position}", "Coordinates at zero angles").per(0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for OpticsJacobian {

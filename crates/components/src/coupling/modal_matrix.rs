@@ -16,8 +16,7 @@
 //! Source: J.-N. Juang, R. S. Pappa, J. Guidance 8 (1985) 620-627; fitted by `piezoloop frequency-response`.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Structural,
-    Tick, Violation,
+    Component, Declaration, Input, Quantity, Role, Sizes, Stage, Structural, Tick, Violation,
 };
 
 use super::matrix;
@@ -48,10 +47,7 @@ static DECLARATION: Declaration = Declaration {
                z'' + 2*damping*w*z' + w^2*z = w^2*x; w = 2*pi*frequency",
     reference: "J.-N. Juang, R. S. Pappa, J. Guidance 8 (1985) 620-627",
     stage: Stage::Coupling,
-    conversion: Conversion::None,
-    effect: None,
     inputs: &[Input::EACH_PATH],
-    outputs: &[Output::PATH],
     structure: &STRUCTURE,
     parameters: &[
         Quantity::new("direct", "1", "Motion per motion outside the listed modes, row by row")
@@ -84,6 +80,7 @@ static DECLARATION: Declaration = Declaration {
         .per(3)
         .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 /// Numbers of axes and modes.

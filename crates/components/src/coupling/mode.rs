@@ -11,8 +11,7 @@
 //! Limits: linear; the neighbour does not feel the motion that it causes.
 
 use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Structural,
-    Tick, Violation,
+    Component, Declaration, Input, Quantity, Role, Sizes, Stage, Structural, Tick, Violation,
 };
 
 use super::matrix;
@@ -32,10 +31,8 @@ static DECLARATION: Declaration = Declaration {
                2*pi*frequency",
     reference: "S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. CST 15 (2007) 802-823",
     stage: Stage::Coupling,
-    conversion: Conversion::None,
     effect: Some(&effects::CROSS_COUPLING),
     inputs: &[Input::EACH_PATH, Input::each("command")],
-    outputs: &[Output::PATH],
     structure: &STRUCTURE,
     parameters: &[
         Quantity::new(
@@ -58,6 +55,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 /// Numbers per axis: the three coefficients of its transition.

@@ -10,10 +10,7 @@
 //!
 //! Source: W. Wang, I. J. Busch-Vishniac, Applied Optics 28 (1989) 4504.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural,
-    Violation,
-};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Structural, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
@@ -28,15 +25,14 @@ static DECLARATION: Declaration = Declaration {
     equation: "q[i] = p[i]*(1 + distortion*(p[1]^2 + p[2]^2)/half_size^2)",
     reference: "W. Wang, I. J. Busch-Vishniac, Applied Optics 28 (1989) 4504",
     stage: Stage::Coupling,
-    conversion: Conversion::None,
     effect: Some(&effects::SENSOR_NONLINEARITY),
     inputs: &[Input::EACH_PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural::count("axes", "Number of axes, 2", 2, 2)],
     parameters: &[
         Quantity::new("distortion", "1", "Relative shift at half_size on an axis").fitted(),
         Quantity::new("half_size", "{position}", "Half the edge of the detector").min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for PsdPincushion {

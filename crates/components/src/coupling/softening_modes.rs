@@ -24,10 +24,7 @@
 //! fitted by `piezoloop frequency-response --softening`.
 
 use libm::{exp, pow};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Input, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use super::modal_matrix::{STRUCTURE, counts, has_matrices, read};
 use crate::effects;
@@ -54,10 +51,7 @@ static DECLARATION: Declaration = Declaration {
                time_constant*m' = x - m; time_constant*v' = (x - m)^2 - v",
     reference: "L. Gaul, R. Nitsche, Appl. Mech. Rev. 54 (2001) 93-106",
     stage: Stage::Coupling,
-    conversion: Conversion::None,
-    effect: None,
     inputs: &[Input::EACH_PATH],
-    outputs: &[Output::PATH],
     structure: &STRUCTURE,
     parameters: &[
         Quantity::new("direct", "1", "Motion per motion outside the listed modes, row by row")
@@ -116,6 +110,7 @@ static DECLARATION: Declaration = Declaration {
             .fitted(),
         Quantity::new("time_constant", "s", "Time constant of the running rms").min(0.0).start(0.1),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for SofteningModes {

@@ -20,10 +20,7 @@
 use core::f64::consts::TAU;
 
 use libm::{log10, pow, round};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use super::elements::{Elements, coefficients, parts_mut};
 use crate::effects;
@@ -41,15 +38,13 @@ static DECLARATION: Declaration = Declaration {
                lowest and highest",
     reference: "A. Oustaloup et al., IEEE Trans. Circuits and Systems I 47 (2000) 25-39",
     stage: Stage::Actuator,
-    conversion: Conversion::None,
     effect: Some(&effects::CREEP),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[
         Structural::real("lowest", "Hz", "Lower end of the band", 1e-4, 1e-9, 1e6),
         Structural::real("highest", "Hz", "Upper end of the band", 100.0, 1e-6, 1e9),
     ],
     parameters: &[Quantity::new("order", "1", "Order of the integral").min(0.0).max(0.9).fitted()],
+    ..Declaration::PATH
 };
 
 const PER_DECADE: f64 = 3.0;

@@ -10,7 +10,7 @@
 //!
 //! Source: as `kelvin-voigt-creep`; inverted in closed form, as it is linear.
 
-use model::{Component, Conversion, Declaration, Input, Output, Sizes, Stage, Tick, Violation};
+use model::{Component, Declaration, Sizes, Stage, Tick, Violation};
 
 use super::elements::{Elements, at_rest};
 use super::kelvin_voigt::KelvinVoigtCreep;
@@ -25,12 +25,9 @@ static DECLARATION: Declaration = Declaration {
     equation: "u + sum(share[i]*z[i]) = y; time_constant[i]*z[i]' = u - z[i]",
     reference: "H. Janocha, K. Kuhnen, Sensors and Actuators A 79 (2000) 83-89",
     stage: Stage::Control,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: super::kelvin_voigt::DECLARATION.structure,
     parameters: super::kelvin_voigt::DECLARATION.parameters,
+    ..Declaration::PATH
 };
 
 impl Component for InverseKelvinVoigtCreep {

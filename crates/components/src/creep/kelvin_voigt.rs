@@ -11,10 +11,7 @@
 //!
 //! Source: H. Janocha, K. Kuhnen, Sensors and Actuators A 79 (2000) 83–89.
 
-use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Structural,
-    Tick, Violation,
-};
+use model::{Component, Declaration, Inverse, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use super::elements::{Elements, coefficients, parts_mut};
 use crate::effects;
@@ -31,10 +28,7 @@ pub(super) static DECLARATION: Declaration = Declaration {
     equation: "y = u + sum(share[i]*z[i]); time_constant[i]*z[i]' = u - z[i]",
     reference: "H. Janocha, K. Kuhnen, Sensors and Actuators A 79 (2000) 83-89",
     stage: Stage::Actuator,
-    conversion: Conversion::None,
     effect: Some(&effects::CREEP),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural::count("elements", "Number of elements", 1, 64)],
     parameters: &[
         Quantity::new("share", "1", "Final creep of each element, relative to the step")
@@ -46,6 +40,7 @@ pub(super) static DECLARATION: Declaration = Declaration {
             .per(0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for KelvinVoigtCreep {

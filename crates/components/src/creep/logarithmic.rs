@@ -16,10 +16,7 @@
 //! Source: H. Jung, D.-G. Gweon, Review of Scientific Instruments 71 (2000) 1896–1900.
 
 use libm::{exp, log10, pow, round};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use super::elements::{Elements, coefficients, parts_mut};
 use crate::effects;
@@ -36,10 +33,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y(t) = y(reference)*(1 + gain*log10(t/reference)) after a step",
     reference: "H. Jung, D.-G. Gweon, Rev. Sci. Instrum. 71 (2000) 1896-1900",
     stage: Stage::Actuator,
-    conversion: Conversion::None,
     effect: Some(&effects::CREEP),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[
         Structural::real(
             "shortest",
@@ -60,6 +54,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .from_to(0, 1),
     ],
+    ..Declaration::PATH
 };
 
 /// Elements per decade. The response to a step of elements spaced by h = ln(10)/2 ripples about the

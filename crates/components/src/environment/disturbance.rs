@@ -5,7 +5,7 @@
 //! * d is the axis' input `disturbance`, in position; gain scales it.
 //! * No state.
 
-use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Violation};
 
 use crate::rules::WRONG_LENGTH;
 
@@ -19,12 +19,9 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + gain*disturbance",
     reference: "definition",
     stage: Stage::Environment,
-    conversion: Conversion::None,
-    effect: None,
     inputs: &[Input::PATH, Input::axis_at_rest("disturbance")],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[Quantity::new("gain", "1", "Factor of the disturbance").start(1.0)],
+    ..Declaration::PATH
 };
 
 impl Component for Disturbance {

@@ -11,9 +11,7 @@
 //! Limits: one mode; independent axes.
 
 use libm::sqrt;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::Transition;
@@ -30,17 +28,14 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + n; n'' + 2*damping*w*n' + w^2*n = w^2*white noise; w = 2*pi*frequency",
     reference: "C. G. Gordon, Proc. SPIE 1619 (1992) 71-85 (levels)",
     stage: Stage::Environment,
-    conversion: Conversion::None,
     effect: Some(&effects::FLOOR_VIBRATION),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("rms", "{position}", "Standard deviation").min(0.0).fitted(),
         Quantity::new("frequency", "Hz", "Frequency of the mode").start(10.0).min(0.0),
         Quantity::new("damping", "1", "Damping ratio of the mode").start(0.1).min(0.0),
         Quantity::new("seed", "1", "Seed of the noise").start(1.0).seed(),
     ],
+    ..Declaration::PATH
 };
 
 /// Variance of the mode driven by held white noise of variance 1: the first entry of the P that

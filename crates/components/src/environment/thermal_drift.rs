@@ -13,9 +13,7 @@
 //!
 //! Limits: one time constant.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::approach;
@@ -32,11 +30,7 @@ static DECLARATION: Declaration = Declaration {
                expansion*temperature_change - g",
     reference: "ISO 230-3, Determination of thermal effects",
     stage: Stage::Environment,
-    conversion: Conversion::None,
     effect: Some(&effects::THERMAL_DRIFT),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("rate", "{position}/s", "Steady drift").start(0.0).fitted(),
         Quantity::new("settling", "{position}", "Drift that settles after the start")
@@ -52,6 +46,7 @@ static DECLARATION: Declaration = Declaration {
         .start(0.0)
         .tunable(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for ThermalDrift {

@@ -8,9 +8,7 @@
 //!
 //! Limits: one time constant; see `thermal-drift` for drift without a temperature.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::approach;
@@ -26,11 +24,8 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + expansion*(Ts - reference); time_constant*Ts' = temperature - Ts",
     reference: "ISO 230-3, Determination of thermal effects",
     stage: Stage::Environment,
-    conversion: Conversion::None,
     effect: Some(&effects::THERMAL_DRIFT),
     inputs: &[Input::PATH, Input::TEMPERATURE],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("expansion", "{position}/K", "Growth per kelvin").fitted(),
         Quantity::new("time_constant", "s", "Time constant of the structure")
@@ -39,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
             .fitted(),
         Quantity::new("reference", "degC", "Temperature without growth").start(20.0).min(-273.15),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for ThermalExpansion {

@@ -25,8 +25,7 @@
 
 use libm::{ceil, expm1, fabs, log1p, pow};
 use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
-    Undoing, Violation,
+    Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Tick, Undoing, Violation,
 };
 
 use super::numeric_inverse::{Forward, Rates};
@@ -71,10 +70,8 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &PARAMETERS,
+    ..Declaration::PATH
 };
 
 /// The differential equation of h over the command.

@@ -6,7 +6,7 @@
 //!
 //! Limits: the loop must not curl over at its ends; `alpha` is checked.
 
-use model::{Conversion, Declaration, Input, Output, Quantity, Stage};
+use model::{Conversion, Declaration, Quantity, Stage};
 
 use super::bouc_wen::{BoucWen, PARAMETERS as P};
 use super::numeric_inverse::NumericInverse;
@@ -27,11 +27,8 @@ static DECLARATION: Declaration = Declaration {
     reference: "M. Rakotondrabe, IEEE Trans. Automation Science and Engineering 8 (2011) 428-431",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: PARAMETERS,
+    ..Declaration::PATH
 };
 
 #[cfg(test)]

@@ -14,10 +14,7 @@
 //!
 //! Source: P. R. Dahl, A solid friction model, The Aerospace Corporation TOR-0158(3107-18)-1, 1968.
 
-use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Tick, Violation};
 
 use super::duhem::Law;
 use crate::effects;
@@ -35,10 +32,8 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &PARAMETERS,
+    ..Declaration::PATH
 };
 
 /// Parameters of the Dahl model.

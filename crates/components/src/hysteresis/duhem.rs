@@ -18,10 +18,7 @@
 //! 897–919.
 
 use libm::{exp, fabs};
-use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
@@ -38,10 +35,8 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &PARAMETERS,
+    ..Declaration::PATH
 };
 
 /// Parameters of the Duhem model.

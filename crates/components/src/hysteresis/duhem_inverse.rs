@@ -8,7 +8,7 @@
 //! Limits: a branch must rise right after a reversal: `2·initial > slope` (Duhem),
 //! `gain·length > 2·height` (Dahl).
 
-use model::{Conversion, Declaration, Input, Output, Stage, Violation};
+use model::{Conversion, Declaration, Stage, Violation};
 
 use super::dahl::{Dahl, PARAMETERS as D};
 use super::duhem::{Duhem, Law, PARAMETERS as P};
@@ -32,11 +32,8 @@ static DUHEM: Declaration = Declaration {
     reference: "B. D. Coleman, M. L. Hodgdon, Int. J. Eng. Sci. 24 (1986) 897-919 (the model)",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[P[0], P[1], P[2], P[3], COMMAND_MIN, COMMAND_MAX],
+    ..Declaration::PATH
 };
 
 static DAHL: Declaration = Declaration {

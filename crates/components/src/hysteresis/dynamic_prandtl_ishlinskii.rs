@@ -26,8 +26,8 @@
 //! Elliptical Vibration Cutting Device, eqs. (3) and (4).
 
 use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Structural,
-    Tick, Violation,
+    Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Structural, Tick,
+    Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -73,10 +73,9 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, W, ALPHA, BETA, OFFSET],
+    ..Declaration::PATH
 };
 
 static INVERSE_DECLARATION: Declaration = Declaration {
@@ -88,11 +87,9 @@ static INVERSE_DECLARATION: Declaration = Declaration {
                 Piezo-Actuated Elliptical Vibration Cutting Device, eqs. (14)-(17)",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, W, ALPHA, BETA, OFFSET, COMMAND_MIN, COMMAND_MAX],
+    ..Declaration::PATH
 };
 
 /// `r | w | alpha | beta | offset` (parameters), and 1/T behind them (coefficients).

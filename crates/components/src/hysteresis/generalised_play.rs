@@ -21,10 +21,7 @@
 //! 734–744.
 
 use libm::{atanh, tanh};
-use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Tick, Violation};
 
 use super::play::{Plays, between, invert};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_invertible, check_plays};
@@ -62,10 +59,9 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::ASYMMETRY),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: PARAMETERS,
+    ..Declaration::PATH
 };
 
 static INVERSE: Declaration = Declaration {
@@ -78,11 +74,9 @@ static INVERSE: Declaration = Declaration {
                 734-744",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: PARAMETERS,
+    ..Declaration::PATH
 };
 
 /// One envelope.

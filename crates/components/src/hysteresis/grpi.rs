@@ -17,8 +17,8 @@
 
 use libm::fabs;
 use model::{
-    Component, Conversion, Declaration, Fit, Input, Inverse, Output, Quantity, Scale, Search,
-    Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Fit, Inverse, Quantity, Scale, Search, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -56,10 +56,9 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, W, OFFSET, A1, A2, B1, B2],
+    ..Declaration::PATH
 };
 
 static INVERSE_DECLARATION: Declaration = Declaration {
@@ -71,11 +70,9 @@ static INVERSE_DECLARATION: Declaration = Declaration {
                 Piezo-Actuated Elliptical Vibration Cutting Device, eq. (13)",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, W, OFFSET, A1, A2, B1, B2, COMMAND_MIN, COMMAND_MAX],
+    ..Declaration::PATH
 };
 
 /// `r | w | offset | a1 | a2 | b1 | b2` (parameters), and 1/T behind them (coefficients).

@@ -14,7 +14,7 @@
 //! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418; P. Krejčí, K. Kuhnen, IEE Proceedings Control Theory and
 //! Applications 148 (2001) 185–192.
 
-use model::{Component, Conversion, Declaration, Input, Output, Sizes, Stage, Tick, Violation};
+use model::{Component, Conversion, Declaration, Sizes, Stage, Tick, Violation};
 
 use super::play::invert;
 use super::prandtl_ishlinskii::{
@@ -35,11 +35,9 @@ static DECLARATION: Declaration = Declaration {
     reference: "K. Kuhnen, European Journal of Control 9 (2003) 407-418",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, LOADING_W, OFFSET],
+    ..Declaration::PATH
 };
 
 impl Component for InversePrandtlIshlinskii {

@@ -17,8 +17,8 @@
 //! relaxation in front of them.
 
 use model::{
-    Component, Conversion, Declaration, Free, Input, Missing, Output, Quantity, Range, Role, Sizes,
-    Stage, Tick, Violation,
+    Component, Conversion, Declaration, Free, Missing, Quantity, Range, Role, Sizes, Stage, Tick,
+    Violation,
 };
 
 use super::play::Plays;
@@ -40,8 +40,6 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[
         R,
@@ -56,6 +54,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 static MISSING: Missing = Missing {

@@ -12,8 +12,8 @@
 //! Source: K. Kuhnen, European Journal of Control 9 (2003) 407–418.
 
 use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Structural,
-    Tick, Violation,
+    Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Structural, Tick,
+    Violation,
 };
 
 use super::dead_zone::DeadZones;
@@ -52,10 +52,9 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::ASYMMETRY),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: PARAMETERS,
+    ..Declaration::PATH
 };
 
 static INVERSE: Declaration = Declaration {
@@ -67,11 +66,9 @@ static INVERSE: Declaration = Declaration {
     reference: "K. Kuhnen, European Journal of Control 9 (2003) 407-418",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: PARAMETERS,
+    ..Declaration::PATH
 };
 
 /// Coefficients and parameters are laid out alike: `r | w | edge | slope | offset`.

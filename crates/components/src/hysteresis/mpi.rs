@@ -18,8 +18,8 @@
 
 use libm::{fabs, fmax};
 use model::{
-    Component, Conversion, Declaration, Fit, Input, Inverse, Output, Quantity, Role, Scale, Search,
-    Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Fit, Inverse, Quantity, Role, Scale, Search, Sizes, Stage,
+    Tick, Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -62,10 +62,9 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, W, OFFSET, LINEAR, CUBIC, SCALE, RATE],
+    ..Declaration::PATH
 };
 
 static INVERSE_DECLARATION: Declaration = Declaration {
@@ -76,11 +75,9 @@ static INVERSE_DECLARATION: Declaration = Declaration {
     reference: "M. Al Janaideh, P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013) 1498-1507",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, W, OFFSET, LINEAR, CUBIC, SCALE, RATE, COMMAND_MIN, COMMAND_MAX],
+    ..Declaration::PATH
 };
 
 /// `scaled r | w | offset | linear | cubic | rate | 1/T`.

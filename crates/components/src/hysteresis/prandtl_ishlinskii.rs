@@ -16,8 +16,8 @@
 //! Applications 148 (2001) 185–192 (a rising virgin curve has an inverse).
 
 use model::{
-    Component, Conversion, Declaration, Extension, Input, Inverse, Output, Quantity, Role, Sizes,
-    Stage, Structural, Tick, Violation,
+    Component, Conversion, Declaration, Extension, Inverse, Quantity, Role, Sizes, Stage,
+    Structural, Tick, Violation,
 };
 
 use super::play::Plays;
@@ -66,10 +66,9 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, LOADING_W, OFFSET],
+    ..Declaration::PATH
 };
 
 /// Checks thresholds and weights of plays alone: the virgin curve rises, or stands still.

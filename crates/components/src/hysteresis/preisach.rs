@@ -22,8 +22,8 @@
 
 use libm::{floor, sqrt};
 use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes, Stage, Structural,
-    Tick, Violation,
+    Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Structural, Tick,
+    Violation,
 };
 
 use super::prandtl_ishlinskii::OFFSET;
@@ -43,10 +43,9 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &STRUCTURE,
     parameters: &PARAMETERS,
+    ..Declaration::PATH
 };
 
 /// Structure of the Preisach model.

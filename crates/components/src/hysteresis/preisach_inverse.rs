@@ -16,7 +16,7 @@
 //! Source: R. V. Iyer, X. Tan, P. S. Krishnaprasad, IEEE Transactions on Automatic Control 50
 //! (2005) 798–810.
 
-use model::{Component, Conversion, Declaration, Input, Output, Sizes, Stage, Tick, Violation};
+use model::{Component, Conversion, Declaration, Sizes, Stage, Tick, Violation};
 
 use super::preisach::{PARAMETERS, Parts, Preisach, STRUCTURE, Stack};
 
@@ -32,11 +32,9 @@ static DECLARATION: Declaration = Declaration {
                 798-810",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &STRUCTURE,
     parameters: &PARAMETERS,
+    ..Declaration::PATH
 };
 
 /// The level whose output is nearest to the wanted sum of the relays.

@@ -16,8 +16,8 @@
 
 use libm::fabs;
 use model::{
-    Component, Conversion, Declaration, Fit, Free, Input, Inverse, Missing, Output, Quantity,
-    Range, Role, Scale, Search, Sizes, Stage, Tick, Violation,
+    Component, Conversion, Declaration, Fit, Free, Inverse, Missing, Quantity, Range, Role, Scale,
+    Search, Sizes, Stage, Tick, Violation,
 };
 
 use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
@@ -59,10 +59,9 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, W, OFFSET, GAIN, RATE],
+    ..Declaration::PATH
 };
 
 static INVERSE_DECLARATION: Declaration = Declaration {
@@ -73,11 +72,9 @@ static INVERSE_DECLARATION: Declaration = Declaration {
     reference: "M. Al Janaideh, P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013) 1498-1507",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[R, W, OFFSET, GAIN, RATE, COMMAND_MIN, COMMAND_MAX],
+    ..Declaration::PATH
 };
 
 /// `r | w | offset | gain | rate` (parameters), and 1/T behind them (coefficients).

@@ -20,9 +20,7 @@
 //! K. Kuhnen, European Journal of Control 9 (2003) 407–418, for its dead zones.
 
 use libm::fmax;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Conversion, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use super::play::{Drive, Plays, Threshold, play};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
@@ -43,8 +41,6 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::ASYMMETRY),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[
         R,
@@ -85,6 +81,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("centre", "{command}", "Middle of the range"),
         Quantity::new("half_range", "{command}", "Half of the range").min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 /// What is not an array.

@@ -12,10 +12,7 @@
 //! Source: laser beam pointing with four piezo axes, eq. (11).
 
 use libm::{fabs, round};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use crate::rules::{WRONG_LENGTH, require};
 
@@ -29,10 +26,6 @@ static DECLARATION: Declaration = Declaration {
     equation: "y(k) = sum(b[i]*u(k-i+1)) - sum(a[j]*y(k-j))",
     reference: "laser beam pointing with four piezo axes, eq. (11)",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[
         Structural {
             name: "sample_time",
@@ -52,6 +45,7 @@ static DECLARATION: Declaration = Declaration {
             .per(2)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 /// Numbers of coefficients b and a.

@@ -9,9 +9,7 @@
 //! Limits: no impact dynamics.
 
 use crate::hysteresis::play::{Drive, Threshold, play};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::rules::WRONG_LENGTH;
@@ -27,11 +25,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "G. Tao, P. V. Kokotovic, Adaptive Control of Systems with Actuator and Sensor \
                 Nonlinearities, Wiley 1996",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::BACKLASH),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("width", "{position}", "Clearance").min(0.0).fitted(),
         Quantity::new("bridge", "1", "Share of a motion that passes within the clearance")
@@ -39,6 +33,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .max(1.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for Backlash {

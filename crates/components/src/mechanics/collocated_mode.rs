@@ -9,10 +9,7 @@
 //!
 //! Limits: the part that follows at once is as fast as the input.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::Transition;
@@ -29,11 +26,7 @@ static DECLARATION: Declaration = Declaration {
                2*pi*frequency; wz = 2*pi*zero_frequency",
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 2",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::EXTRA_MODE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency of the resonance")
             .role(Role::Frequency)
@@ -50,6 +43,7 @@ static DECLARATION: Declaration = Declaration {
             .fitted(),
         Quantity::new("zero_damping", "1", "Damping ratio of the antiresonance").min(0.0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for CollocatedMode {

@@ -13,9 +13,7 @@
 use core::f64::consts::TAU;
 
 use libm::floor;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
@@ -32,11 +30,7 @@ static DECLARATION: Declaration = Declaration {
                phase/(2*pi))",
     reference: "E. Shamoto, T. Moriwaki, CIRP Annals 43 (1994) 35-38",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::PERIODIC_DISTURBANCE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("amplitude", "{position}", "Greatest force over stiffness").fitted(),
         Quantity::new("frequency", "Hz", "Frequency of the ellipse").min(0.0).fitted(),
@@ -47,6 +41,7 @@ static DECLARATION: Declaration = Declaration {
             .fitted(),
         Quantity::new("phase", "rad", "Phase at time 0").start(0.0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for CuttingForce {

@@ -15,10 +15,7 @@
 //! Ostermann, Exponential integrators, Acta Numerica 19 (2010) 209–286.
 
 use libm::sqrt;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use super::substeps::SubSteps;
 use crate::effects;
@@ -36,11 +33,7 @@ static DECLARATION: Declaration = Declaration {
                2*pi*frequency",
     reference: "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 4",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::DUFFING),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency of small motions")
             .role(Role::Frequency)
@@ -62,6 +55,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("reference", "{position}", "Deflection at which the hardening is given")
             .min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 /// Deflection, in references, from which on the force is straight.

@@ -22,10 +22,7 @@
 use core::f64::consts::TAU;
 
 use libm::{ceil, copysign, exp, fabs, fmax, sqrt};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::Transition;
@@ -43,11 +40,7 @@ static DECLARATION: Declaration = Declaration {
                g = presliding*(1 + (stiction/coulomb - 1)*exp(-(x'/stribeck)^2))",
     reference: "C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419-425",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::FRICTION),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Undamped natural frequency")
             .role(Role::Frequency)
@@ -72,6 +65,7 @@ static DECLARATION: Declaration = Declaration {
         .min(0.0)
         .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 struct Law {

@@ -12,7 +12,7 @@
 //! Limits: linear; the force does not show in the voltage (the direct piezoelectric effect on an
 //! amplifier of finite impedance).
 
-use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Violation};
 
 use crate::rules::{WRONG_LENGTH, require};
 
@@ -26,11 +26,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = u + force/stiffness",
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 3",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
-    effect: None,
     inputs: &[Input::PATH, Input::FORCE],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[Quantity::new(
         "stiffness",
         "N/{position}",
@@ -38,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
     )
     .min(0.0)
     .fitted()],
+    ..Declaration::PATH
 };
 
 impl Component for LoadForce {

@@ -16,7 +16,7 @@
 use core::f64::consts::TAU;
 
 use libm::sqrt;
-use model::{Conversion, Declaration, Input, Output, Quantity, Role, Stage, Violation};
+use model::{Declaration, Quantity, Role, Stage, Violation};
 
 use crate::effects;
 use crate::linear::SecondOrder;
@@ -35,11 +35,7 @@ static DECLARATION: Declaration = Declaration {
                m*(2*pi*frequency)^2; c = 2*damping*sqrt(k*m)",
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 2",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::RESONANCE_SHIFT),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Undamped natural frequency without load")
             .role(Role::Frequency)
@@ -58,6 +54,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 fn loaded(parameters: &[f64], period: f64) -> Result<SecondOrder, Violation> {

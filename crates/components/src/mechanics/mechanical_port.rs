@@ -13,7 +13,7 @@
 //!
 //! Limits: one degree of freedom, along the axis.
 
-use model::{Component, Conversion, Declaration, Input, Output, Sizes, Stage, Tick, Violation};
+use model::{Component, Declaration, Output, Sizes, Stage, Tick, Violation};
 
 /// The component `mechanical-port`.
 pub struct MechanicalPort;
@@ -25,9 +25,6 @@ static DECLARATION: Declaration = Declaration {
     equation: "tip = x; tip_velocity = dx/dt",
     reference: "F. E. Cellier, Continuous System Modeling, Springer 1991, ch. 7",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
     outputs: &[
         Output::PATH,
         Output::published(
@@ -43,8 +40,7 @@ static DECLARATION: Declaration = Declaration {
             false,
         ),
     ],
-    structure: &[],
-    parameters: &[],
+    ..Declaration::PATH
 };
 
 impl Component for MechanicalPort {

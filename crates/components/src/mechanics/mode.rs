@@ -11,7 +11,7 @@
 //!
 //! Limits: one mode, collocated; linear.
 
-use model::{Component, Conversion, Declaration, Extension, Input, Output, Quantity, Role, Stage};
+use model::{Component, Declaration, Extension, Quantity, Role, Stage};
 
 use super::{Duffing, Friction, NonlinearDamping, PositionStiffness};
 use crate::effects;
@@ -28,11 +28,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "x'' + 2*damping*w*x' + w^2*x = w^2*gain*u; w = 2*pi*frequency",
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 2",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::EXTRA_MODE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Undamped natural frequency")
             .role(Role::Frequency)
@@ -46,6 +42,7 @@ static DECLARATION: Declaration = Declaration {
             .fitted(),
         Quantity::new("gain", "1", "Static gain").role(Role::Gain).start(1.0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 /// What a linear mode becomes with one thing more.

@@ -8,10 +8,7 @@
 //!
 //! Limits: linear; static gain 1.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::Transition;
@@ -27,11 +24,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = (1 - share)*x1 + share*x2; x'' + 2*damping*w*x' + w^2*x = w^2*u for each",
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 2",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::EXTRA_MODE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency of the first mode")
             .role(Role::Frequency)
@@ -53,6 +46,7 @@ static DECLARATION: Declaration = Declaration {
             .fitted(),
         Quantity::new("share", "1", "Part of the static motion in the second mode").fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for ModePair {

@@ -20,10 +20,7 @@
 use core::f64::consts::TAU;
 
 use libm::{ceil, fabs, fmax, hypot, tanh};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use super::substeps::SubSteps;
 use crate::effects;
@@ -45,11 +42,7 @@ static DECLARATION: Declaration = Declaration {
                = 2*pi*frequency",
     reference: "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 3",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::DAMPING),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Undamped natural frequency")
             .role(Role::Frequency)
@@ -78,6 +71,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 struct Law {

@@ -20,10 +20,7 @@
 //! Acta Numerica 19 (2010) 209–286 (the rule).
 
 use libm::{fmax, fmin, sqrt};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Role, Sizes, Stage, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use super::substeps::SubSteps;
 use crate::effects;
@@ -42,11 +39,7 @@ static DECLARATION: Declaration = Declaration {
                - centre)/half_range, from -1 to 1; w = 2*pi*frequency",
     reference: "S. Henein, Conception des guidages flexibles, PPUR 2001",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::RESONANCE_SHIFT),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency at the centre")
             .role(Role::Frequency)
@@ -67,6 +60,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("centre", "{position}", "Middle of the range").start(0.0),
         Quantity::new("half_range", "{position}", "Half of the range").min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 /// s(ξ) of the stiffness.

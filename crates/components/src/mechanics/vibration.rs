@@ -9,10 +9,7 @@
 
 use core::f64::consts::TAU;
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use crate::effects;
 use crate::rules::WRONG_LENGTH;
@@ -28,16 +25,14 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + sum(amplitude[i]*sin(2*pi*frequency[i]*t + phase[i]))",
     reference: "sum of sines",
     stage: Stage::Mechanics,
-    conversion: Conversion::None,
     effect: Some(&effects::PERIODIC_DISTURBANCE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural::count("lines", "Number of lines", 1, 64)],
     parameters: &[
         Quantity::new("frequency", "Hz", "Frequency of each line").min(0.0).per(0).fitted(),
         Quantity::new("amplitude", "{position}", "Amplitude of each line").per(0).fitted(),
         Quantity::new("phase", "rad", "Phase of each line at time 0").per(0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for Vibration {

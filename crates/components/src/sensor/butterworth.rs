@@ -12,10 +12,7 @@
 use core::f64::consts::{PI, TAU};
 
 use libm::{cos, exp, sin};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, positive_frequency};
@@ -30,10 +27,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "|G(j*2*pi*f)|^2 = 1/(1 + (f/bandwidth)^(2*order))",
     reference: "S. Butterworth, Experimental Wireless and the Wireless Engineer 7 (1930) 536-541",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::SENSOR_BANDWIDTH),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural {
         start: Some(2.0),
         ..Structural::count("order", "Order of the filter", 1, 8)
@@ -45,6 +39,7 @@ static DECLARATION: Declaration = Declaration {
     )
     .min(0.0)
     .fitted()],
+    ..Declaration::PATH
 };
 
 fn order(structure: &[f64]) -> usize {

@@ -8,9 +8,7 @@
 //!
 //! Limits: before any amplifier: the command as it enters the plant.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::rules::WRONG_LENGTH;
@@ -25,17 +23,15 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + gain*u + rate_gain*u'",
     reference: "H. W. Ott, Electromagnetic Compatibility Engineering, Wiley 2009, ch. 2",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::CROSSTALK),
     inputs: &[Input::PATH, Input { at_rest: true, ..Input::axis("command") }],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("gain", "{position}/{command}", "Reading per command").start(0.0).fitted(),
         Quantity::new("rate_gain", "{position}.s/{command}", "Reading per rate of the command")
             .start(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for Crosstalk {

@@ -9,9 +9,7 @@
 //! Limits: no bound; steady and thermal drift are in `thermal-drift`.
 
 use libm::sqrt;
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::random::normal;
@@ -27,17 +25,14 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + d; d[n] = d[n-1] + per_hour*sqrt(T/3600 s)*normal",
     reference: "A. J. Fleming, Sensors and Actuators A 190 (2013) 106-126",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::THERMAL_DRIFT),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("per_hour", "{position}", "Standard deviation after one hour")
             .min(0.0)
             .fitted(),
         Quantity::new("seed", "1", "Seed of the walk").start(1.0).seed(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for SensorDrift {

@@ -8,9 +8,7 @@
 //!
 //! Limits: first order; a filter of higher order has more phase at the same bandwidth.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::effects;
 use crate::linear::lag_fraction;
@@ -27,11 +25,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, A review of nanometer resolution position sensors, Sensors and \
                 Actuators A 190 (2013) 106-126",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::SENSOR_BANDWIDTH),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[Quantity::new(
         "bandwidth",
         "Hz",
@@ -40,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
     .releases(&effects::SENSOR_BANDWIDTH)
     .min(0.0)
     .fitted()],
+    ..Declaration::PATH
 };
 
 impl Component for SensorLag {

@@ -10,10 +10,7 @@
 
 use core::f64::consts::TAU;
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use crate::effects;
 use crate::rules::WRONG_LENGTH;
@@ -29,10 +26,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + sum(amplitude[k]*sin(2*pi*k*frequency*t + phase[k]))",
     reference: "sum of sines",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::MAINS_HUM),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural::count(
         "harmonics",
         "Number of harmonics, the first being the mains",
@@ -44,6 +38,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("phase", "rad", "Phase of each harmonic at time 0").per(0).fitted(),
         Quantity::new("frequency", "Hz", "Frequency of the mains").start(50.0).min(0.0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for MainsHum {

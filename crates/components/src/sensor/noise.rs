@@ -23,10 +23,7 @@
 use core::f64::consts::{LN_10, PI, TAU};
 
 use libm::{ceil, exp, expm1, log10, pow, sqrt};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use crate::effects;
 use crate::random::{normal, normals};
@@ -42,10 +39,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + n; S(f) = A*(1 + corner/f); A = 2*rms^2*period",
     reference: "N. J. Kasdin, Proc. IEEE 83 (1995) 802-827",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::SENSOR_NOISE),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural::real(
         "lowest",
         "Hz",
@@ -68,6 +62,7 @@ static DECLARATION: Declaration = Declaration {
             .fitted(),
         Quantity::new("seed", "1", "Seed of the noise").start(1.0).seed(),
     ],
+    ..Declaration::PATH
 };
 
 /// Lags per decade.

@@ -8,7 +8,7 @@
 //!
 //! Limits: meant for |ξ| ≤ 1; no cross terms with another axis.
 
-use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
@@ -23,11 +23,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + half_range*(quadratic*xi^2 + cubic*xi^3); xi = (x - centre)/half_range",
     reference: "A. J. Fleming, Sensors and Actuators A 190 (2013) 106-126",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::SENSOR_NONLINEARITY),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("quadratic", "1", "Quadratic deviation at the end of the range")
             .start(0.0)
@@ -36,6 +32,7 @@ static DECLARATION: Declaration = Declaration {
         Quantity::new("centre", "{position}", "Middle of the range"),
         Quantity::new("half_range", "{position}", "Half of the range").min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for SensorPolynomial {

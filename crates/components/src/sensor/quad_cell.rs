@@ -13,7 +13,7 @@
 use core::f64::consts::{FRAC_2_SQRT_PI, SQRT_2};
 
 use libm::erf;
-use model::{Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Violation};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
@@ -28,15 +28,12 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = centre + radius*sqrt(pi/8)*erf(sqrt(2)*(x - centre)/radius)",
     reference: "L. P. Salles, D. W. de Lima Monteiro, IEEE Sensors Journal 10 (2010) 286-293",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::SENSOR_NONLINEARITY),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("radius", "{position}", "1/e^2 radius of the spot").min(0.0).fitted(),
         Quantity::new("centre", "{position}", "Middle of the detector").start(0.0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for SensorQuadCell {

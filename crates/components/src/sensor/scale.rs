@@ -6,7 +6,7 @@
 //!
 //! Limits: position and command alone cannot tell this gain from the actuator's.
 
-use model::{Conversion, Declaration, Input, Output, Quantity, Stage};
+use model::{Declaration, Quantity, Stage};
 
 use crate::affine::Affine;
 use crate::effects;
@@ -21,15 +21,12 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = gain*x + offset",
     reference: "linear sensor",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::ACTUATOR_GAIN),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("gain", "1", "Reading per position").start(1.0).fitted(),
         Quantity::new("offset", "{position}", "Reading at position 0").start(0.0).fitted(),
     ],
+    ..Declaration::PATH
 };
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! * frequency in Hz: natural frequency (the −3 dB bandwidth for ζ = 0.707); damping: ζ > 0.
 //! * State: y and y′/ω. Exact at any period, as the input is held over a step.
 
-use model::{Conversion, Declaration, Input, Output, Quantity, Stage, Violation};
+use model::{Declaration, Quantity, Stage, Violation};
 
 use crate::effects;
 use crate::linear::SecondOrder;
@@ -23,11 +23,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y'' + 2*damping*w*y' + w^2*y = w^2*x; w = 2*pi*frequency",
     reference: "A. J. Fleming, Sensors and Actuators A 190 (2013) 106-126",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&effects::SENSOR_BANDWIDTH),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency").min(0.0).fitted(),
         Quantity::new("damping", "1", "Damping ratio; 0.707 is flat")
@@ -35,6 +31,7 @@ static DECLARATION: Declaration = Declaration {
             .min(0.0)
             .fitted(),
     ],
+    ..Declaration::PATH
 };
 
 fn unit_gain(parameters: &[f64], period: f64) -> Result<SecondOrder, Violation> {

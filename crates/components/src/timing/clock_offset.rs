@@ -12,10 +12,7 @@
 //! Limits: a clock that runs ahead needs an `initial` to take from; after `longest` the delay
 //! stays.
 
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use super::delay::{Ring, ring_size};
 use crate::effects;
@@ -33,10 +30,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y(t) = u(t - d); d = initial + offset*t + jitter*n",
     reference: "IEEE Std 1241, Terminology and Test Methods for Analog-to-Digital Converters",
     stage: Stage::Timing,
-    conversion: Conversion::None,
     effect: Some(&effects::CLOCK_OFFSET),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural::real("longest", "s", "Longest delay", 0.01, 0.0, 10.0)],
     parameters: &[
         Quantity::new("initial", "s", "Delay at the start").start(0.0).min(0.0).at_most(0).fitted(),
@@ -47,6 +41,7 @@ static DECLARATION: Declaration = Declaration {
             .fitted(),
         Quantity::new("seed", "1", "Seed of the jitter").start(1.0).seed(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for ClockOffset {

@@ -7,7 +7,7 @@
 //!
 //! Limits: ideal steps; the range is not its matter.
 
-use model::{Conversion, Declaration, Input, Output, Quantity, Stage};
+use model::{Declaration, Quantity, Stage};
 
 use crate::effects;
 use crate::quantiser::Quantiser;
@@ -22,11 +22,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = resolution*round(x/resolution)",
     reference: "B. Widrow, I. Kollar, Quantization Noise, Cambridge University Press 2008",
     stage: Stage::Timing,
-    conversion: Conversion::None,
     effect: Some(&effects::DAC_QUANTISATION),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[Quantity::new(
         "resolution",
         "{command}",
@@ -34,4 +30,5 @@ static DECLARATION: Declaration = Declaration {
     )
     .min(0.0)
     .fitted()],
+    ..Declaration::PATH
 };

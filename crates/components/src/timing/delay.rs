@@ -13,10 +13,7 @@
 //! |cos(π·frequency·period)|: 1 % at frequency·period = 0.045.
 
 use libm::{ceil, floor, round};
-use model::{
-    Component, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Structural, Tick,
-    Violation,
-};
+use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
@@ -31,10 +28,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y(t) = u(t - delay)",
     reference: "K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, 3rd ed. 1997, ch. 2",
     stage: Stage::Timing,
-    conversion: Conversion::None,
     effect: Some(&effects::DELAY),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural::real(
         "longest",
         "s",
@@ -48,6 +42,7 @@ static DECLARATION: Declaration = Declaration {
         .min(0.0)
         .at_most(0)
         .fitted()],
+    ..Declaration::PATH
 };
 
 /// Steps up to this relative distance from an integer count as one: a delay and a period that were both

@@ -2,8 +2,8 @@
 #![allow(dead_code)] // each test file uses a part of it
 
 use model::{
-    Component, Conversion, Declaration, Effect, Group, Input, Output, Quantity, Registry, Sizes,
-    Stage, Structural, Tick, Violation,
+    Component, Conversion, Declaration, Effect, Group, Input, Quantity, Registry, Sizes, Stage,
+    Structural, Tick, Violation,
 };
 
 pub(crate) static REGISTRY: Registry = &[&Plays, &Gain, &Lag, &Delay, &Law];
@@ -40,21 +40,6 @@ enabled = false
 bandwidth = 5000
 "#;
 
-const BASE: Declaration = Declaration {
-    kind: "",
-    name: "",
-    summary: "",
-    equation: "",
-    reference: "",
-    stage: Stage::Actuator,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
-    parameters: &[],
-};
-
 static EFFECT: Effect = Effect {
     name: "lag",
     stage: Stage::Amplifier,
@@ -74,28 +59,28 @@ static PLAYS: Declaration = Declaration {
         Quantity::new("w", "{position}/{command}", "Weights").per(0),
         Quantity::new("offset", "{position}", "Offset").start(0.0),
     ],
-    ..BASE
+    ..Declaration::PATH
 };
 static GAIN: Declaration = Declaration {
     kind: "gain",
     name: "gain",
     conversion: Conversion::CommandToPosition,
     parameters: &[Quantity::new("gain", "{position}/{command}", "Gain").tunable()],
-    ..BASE
+    ..Declaration::PATH
 };
 static LAG: Declaration = Declaration {
     kind: "lag",
     name: "lag",
     effect: Some(&EFFECT),
     parameters: &[Quantity::new("bandwidth", "Hz", "Bandwidth").min(1.0).max(1e6)],
-    ..BASE
+    ..Declaration::PATH
 };
 static DELAY: Declaration = Declaration {
     kind: "delay",
     name: "delay",
     structure: &[Structural::real("longest", "s", "Longest delay", 1e-3, 0.0, 1e6)],
     parameters: &[Quantity::new("delay", "s", "Delay").start(0.0).min(0.0)],
-    ..BASE
+    ..Declaration::PATH
 };
 static LAW: Declaration = Declaration {
     kind: "law",
@@ -109,7 +94,7 @@ static LAW: Declaration = Declaration {
         Quantity::new("output_max", "{command}", "Greatest output").start(f64::MAX),
         Quantity::new("park", "{command}", "Command at the end").start(0.0).a_command(),
     ],
-    ..BASE
+    ..Declaration::PATH
 };
 
 /// Thresholds must grow; the output is the sum of the weights times the input.

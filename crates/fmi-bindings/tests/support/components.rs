@@ -13,19 +13,16 @@ static LAG: Declaration = Declaration {
     name: "lag",
     summary: "Actuator with a lag",
     equation: "x += (gain*u - x)*period/time",
-    reference: "",
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
-    effect: None,
-    inputs: &[Input::PATH],
     outputs: &[Output::PATH, Output::published("moving", "1", "Whether it moves", true)],
-    structure: &[],
     parameters: &[
         Quantity::new("gain", "{position}/{command}", "Gain").start(2.0).tunable(),
         Quantity::new("ceiling", "{position}/{command}", "Greatest gain").start(100.0),
         Quantity::new("time", "s", "Time constant").start(0.01).min(1e-3).max(10.0),
         Quantity::new("fault", "1", "1: NaN, 2: panic").start(0.0).min(0.0).max(2.0).tunable(),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for Lag {
@@ -92,14 +89,9 @@ static DOUBLE: Declaration = Declaration {
     name: "double",
     summary: "Doubles the path",
     equation: "y = 2*u",
-    reference: "",
     stage: Stage::Sensor,
-    conversion: Conversion::None,
     effect: Some(&DOUBLE_EFFECT),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
-    parameters: &[],
+    ..Declaration::PATH
 };
 
 impl Component for Double {
@@ -132,19 +124,16 @@ static PROPORTIONAL: Declaration = Declaration {
     name: "control",
     summary: "Proportional control",
     equation: "u = enable ? gain*(r - y) : 0",
-    reference: "",
     stage: Stage::Control,
     conversion: Conversion::Control,
-    effect: None,
     inputs: &[
         Input::PATH,
         Input::axis("reference"),
         Input::axis("measured"),
         Input::system("enable"),
     ],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[Quantity::new("gain", "{command}/{position}", "Gain").start(3.0).tunable()],
+    ..Declaration::PATH
 };
 
 impl Component for Proportional {

@@ -1,8 +1,8 @@
 //! Hysteresis whose derivatives the tests know in closed form.
 
 use model::{
-    Component, Connections, Conversion, Declaration, Input, Kind, Output, Quantity, Sizes, Stage,
-    System, SystemSpec, Tick, Violation,
+    Component, Connections, Conversion, Declaration, Kind, Quantity, Sizes, Stage, System,
+    SystemSpec, Tick, Violation,
 };
 
 use super::components::{PERIOD, axis, node};
@@ -15,17 +15,13 @@ static PLAYS: Declaration = Declaration {
     name: "plays",
     summary: "Hysteresis with a staircase",
     equation: "y = u + w*(P_1[u] + P_2[u]) + step*floor(u/step)",
-    reference: "",
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
     parameters: &[
         Quantity::new("w", "{position}/{command}", "Weight").min(0.0),
         Quantity::new("step", "{command}", "Step of the staircase, 0 for none").min(0.0),
     ],
+    ..Declaration::PATH
 };
 
 impl Component for Plays {

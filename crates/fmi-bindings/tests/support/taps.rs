@@ -1,8 +1,8 @@
 //! A component with an array parameter.
 
 use model::{
-    Component, Connections, Conversion, Declaration, Input, Kind, NodeSpec, Output, Quantity,
-    Sizes, Stage, Structural, System, SystemSpec, Tick, Violation,
+    Component, Connections, Conversion, Declaration, Kind, NodeSpec, Quantity, Sizes, Stage,
+    Structural, System, SystemSpec, Tick, Violation,
 };
 
 use super::components::{PERIOD, axis, node};
@@ -15,14 +15,11 @@ static TAPS: Declaration = Declaration {
     name: "taps",
     summary: "Sum of gains",
     equation: "y = sum(w)*u",
-    reference: "",
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: &[Structural::count("taps", "Number of gains", 1, 9)],
     parameters: &[Quantity::new("w", "{position}/{command}", "Gains").per(0)],
+    ..Declaration::PATH
 };
 
 impl Component for Taps {

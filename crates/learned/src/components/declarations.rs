@@ -1,7 +1,7 @@
 //! What is declared about the learned components.
 
 use model::{
-    Conversion, Declaration, Effect, Input, Inverse, Output, Quantity, Stage, Structural, Undoing,
+    Conversion, Declaration, Effect, Inverse, Output, Quantity, Stage, Structural, Undoing,
 };
 
 use super::Family;
@@ -148,10 +148,9 @@ const fn plant(
         stage: Stage::Actuator,
         conversion: Conversion::CommandToPosition,
         effect: Some(effect),
-        inputs: &[Input::PATH],
-        outputs: &[Output::PATH],
         structure,
         parameters: PARAMETERS,
+        ..Declaration::PATH
     }
 }
 
@@ -170,11 +169,9 @@ const fn inverse(
         reference,
         stage: Stage::Control,
         conversion: Conversion::PositionToCommand,
-        effect: None,
-        inputs: &[Input::PATH],
-        outputs: &[Output::PATH],
         structure,
         parameters: PARAMETERS,
+        ..Declaration::PATH
     }
 }
 

@@ -8,8 +8,8 @@
 //! units of the command. Derivatives are backward differences over the sample time.
 
 use model::{
-    Component, ComponentRef, Conversion, Declaration, Input, Output, Quantity, Sizes, Stage, Table,
-    Tick, Violation,
+    Component, ComponentRef, Conversion, Declaration, Quantity, Sizes, Stage, Table, Tick,
+    Violation,
 };
 
 use super::declarations::{FEEDFORWARD_STRUCTURE, NARX_SOURCE_XU};
@@ -26,9 +26,6 @@ static DECLARATION: Declaration = Declaration {
     reference: NARX_SOURCE_XU,
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: FEEDFORWARD_STRUCTURE,
     parameters: &[
         Quantity::new("gain", "{position}/{command}", "Position per command without hysteresis")
@@ -43,6 +40,7 @@ static DECLARATION: Declaration = Declaration {
             .start(0.0),
         Quantity::new("position_high", "{position}", "Position that corresponds to 1 in the table"),
     ],
+    ..Declaration::PATH
 };
 
 /// The component `lssvm-feedforward` without its table.

@@ -31,8 +31,8 @@ mod parts;
 use components::hysteresis::numeric_inverse::{Forward, NumericInverse, Rates};
 use components::linear::approach;
 use model::{
-    Component, Conversion, Declaration, Input, Inverse, Output, Quantity, Role, Sizes, Stage,
-    Structural, Tick, Violation,
+    Component, Conversion, Declaration, Inverse, Quantity, Role, Sizes, Stage, Structural, Tick,
+    Violation,
 };
 
 use parts::{CREEPS, Counts, EACH, GROUPS, Given, LANES, Scalars, TAIL, read, split};
@@ -126,10 +126,9 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&components::effects::ASYMMETRY),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &PARAMETERS,
+    ..Declaration::PATH
 };
 
 const INVERSE_PARAMETERS: [Quantity; 18] = {
@@ -152,11 +151,9 @@ static INVERSE_DECLARATION: Declaration = Declaration {
     reference: "K. Kuhnen, European Journal of Control 9 (2003) 407-418",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &INVERSE_PARAMETERS,
+    ..Declaration::PATH
 };
 
 fn violation(quantity: &'static str, value: f64, rule: &'static str) -> Violation {

@@ -9,8 +9,8 @@
 //! its term, of the position that is wanted, is what the feedforward takes off.
 
 use model::{
-    Component, ComponentRef, Conversion, Declaration, Input, Inverse, Output, Quantity, Sizes,
-    Stage, Structural, Table, Tick, Undoing, Violation,
+    Component, ComponentRef, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Structural,
+    Table, Tick, Undoing, Violation,
 };
 
 use super::declarations::{NARX_SOURCE_XU, SAMPLE_TIME, count};
@@ -35,8 +35,6 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&components::effects::HYSTERESIS),
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
     structure: STRUCTURE,
     parameters: &[
         Quantity::new("gain", "{position}/{command}", "Position per command without hysteresis"),
@@ -52,6 +50,7 @@ static DECLARATION: Declaration = Declaration {
             .start(0.0),
         Quantity::new("position_high", "{position}", "Position that corresponds to 1 in the table"),
     ],
+    ..Declaration::PATH
 };
 
 /// Of a model II.

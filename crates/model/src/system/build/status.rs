@@ -7,8 +7,7 @@ use alloc::vec::Vec;
 use super::variables::{Units, output_variable};
 use super::{Builder, Site};
 use crate::{
-    Component, Conversion, DataType, Declaration, Input, Kind, MAX_PORTS, NodeSpec, Output, Sizes,
-    Stage, Tick, Violation,
+    Component, DataType, Declaration, Kind, MAX_PORTS, NodeSpec, Sizes, Stage, Tick, Violation,
 };
 
 /// Says in one number what a controller does: 0 the loop is open, 1 it is closed, 2 it is closed and
@@ -20,14 +19,8 @@ static DECLARATION: Declaration = Declaration {
     name: "status",
     summary: "What the controller does",
     equation: "status = 0 while disabled, 2 while a command is at a limit, else 1",
-    reference: "",
     stage: Stage::Control,
-    conversion: Conversion::None,
-    effect: None,
-    inputs: &[Input::PATH],
-    outputs: &[Output::PATH],
-    structure: &[],
-    parameters: &[],
+    ..Declaration::PATH
 };
 
 impl Component for Status {
