@@ -2,8 +2,9 @@
 //!
 //! Folders are the stages of the signal path. A component is a unit type, or a static of a type that
 //! several share, that implements [`model::Component`]; to add one, write its file and its lines in
-//! the `mod.rs` of its folder. The physical causes that components stand for are in [`effects`]. Nothing here
-//! allocates; functions come from `libm`, so that results are equal on every machine.
+//! the `mod.rs` of its folder. The physical causes that the diagnosis tells apart are in [`effects`],
+//! the rows of the documentation's catalogue in [`phenomena`]. Nothing here allocates; functions come
+//! from `libm`, so that results are equal on every machine.
 #![no_std]
 #[cfg(test)]
 extern crate std;
@@ -18,6 +19,7 @@ pub mod environment;
 pub mod hysteresis;
 pub mod linear;
 pub mod mechanics;
+pub mod phenomena;
 pub mod random;
 pub mod sensor;
 pub mod solve;

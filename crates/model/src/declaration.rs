@@ -1,6 +1,8 @@
 //! What is declared about a component once: everything that others print, check or ask by name.
 
-use crate::{Effect, Input, MAX_PORTS, Output, Quantity, Role, Shape, Source, Stage, Structural};
+use crate::{
+    Effect, Input, MAX_PORTS, Output, Phenomenon, Quantity, Role, Shape, Source, Stage, Structural,
+};
 
 /// What a component does to the kind of signal on the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +45,8 @@ pub struct Declaration {
     pub conversion: Conversion,
     /// The effect that it models; such a component can be switched off (`x.enabled`).
     pub effect: Option<&'static Effect>,
+    /// What of the signal path it stands for: its rows in `docs/effects.md`.
+    pub phenomena: &'static [&'static Phenomenon],
     /// Input ports.
     pub inputs: &'static [Input],
     /// Output ports; the first is the signal path.
@@ -65,6 +69,7 @@ impl Declaration {
         stage: Stage::Actuator,
         conversion: Conversion::None,
         effect: None,
+        phenomena: &[],
         inputs: &[Input::PATH],
         outputs: &[Output::PATH],
         structure: &[],

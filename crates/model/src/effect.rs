@@ -31,3 +31,12 @@ pub struct Effect {
     /// Which experiment tells them apart.
     pub experiment: &'static str,
 }
+
+/// What happens on the signal path of a machine, as a reader looks for it: a row of `docs/effects.md`.
+#[derive(Clone, Copy, Debug)]
+pub struct Phenomenon {
+    /// In words.
+    pub name: &'static str,
+    /// What its components have in common or what tells them apart; empty where there is nothing to say.
+    pub remark: &'static str,
+}

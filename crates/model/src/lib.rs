@@ -38,7 +38,7 @@ pub use component::{
 };
 pub use context::{Context, ContextError};
 pub use declaration::{Conversion, Declaration};
-pub use effect::{Effect, Group};
+pub use effect::{Effect, Group, Phenomenon};
 pub use fit::{Fit, Free, Missing, Range, Scale, Search};
 pub use fnv::{fnv_64, fnv_128};
 pub use port::{DEMANDED_INPUTS, DemandedInput, Input, MAX_PORTS, Output, Published, Source};

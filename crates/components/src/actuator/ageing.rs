@@ -20,8 +20,8 @@ use core::f64::consts::LOG10_E;
 use libm::{fmax, log1p};
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `actuator-ageing`.
 pub struct ActuatorAgeing;
@@ -34,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "B. Jaffe, W. R. Cook, H. Jaffe, Piezoelectric Ceramics, Academic Press 1971, ch. 2",
     stage: Stage::Actuator,
     effect: Some(&effects::ACTUATOR_GAIN),
+    phenomena: &[&phenomena::AGEING],
     parameters: &[
         Quantity::new("per_decade", "1", "Relative loss of the gain per decade of time").fitted(),
         Quantity::new("age", "s", "Time since poling at the start of the run")

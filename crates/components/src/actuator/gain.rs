@@ -12,7 +12,7 @@
 use model::{Conversion, Declaration, Quantity, Role, Stage};
 
 use crate::affine::Affine;
-use crate::effects;
+use crate::{effects, phenomena};
 
 /// The component `actuator-gain`.
 pub static ACTUATOR_GAIN: Affine = Affine { declaration: &DECLARATION };
@@ -26,6 +26,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::ACTUATOR_GAIN),
+    phenomena: &[&phenomena::ACTUATOR_GAIN],
     parameters: &[
         Quantity::new("gain", "{position}/{command}", "Position per command")
             .role(Role::Slope)

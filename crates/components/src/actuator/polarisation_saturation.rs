@@ -11,8 +11,8 @@
 use crate::hysteresis::play::between;
 use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `polarisation-saturation`.
 pub struct PolarisationSaturation;
@@ -26,6 +26,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "IEEE Std 176-1987, IEEE Standard on Piezoelectricity (nonlinear limits)",
     stage: Stage::Actuator,
     effect: Some(&effects::POLARISATION_SATURATION),
+    phenomena: &[&phenomena::POLARISATION_SATURATION],
     parameters: &[
         Quantity::new("flattening", "1", "Loss at the ends, relative to half the range")
             .min(0.0)

@@ -18,8 +18,8 @@
 use libm::{fabs, fmax};
 use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `remanence`.
 pub struct Remanence;
@@ -32,6 +32,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "I. D. Mayergoyz, Mathematical Models of Hysteresis and Their Applications, 2003",
     stage: Stage::Actuator,
     effect: Some(&effects::INITIAL_STATE),
+    phenomena: &[&phenomena::REMANENCE],
     inputs: &[Input::PATH, Input { at_rest: false, ..Input::axis("command") }],
     parameters: &[
         Quantity::new("remanence", "{position}", "Difference at the start").fitted(),

@@ -21,9 +21,9 @@ use core::f64::consts::FRAC_PI_2;
 use libm::fabs;
 use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `self-heating`.
 pub struct SelfHeating;
@@ -37,6 +37,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "K. Uchino, S. Hirose, IEEE Trans. UFFC 48 (2001) 307-321",
     stage: Stage::Actuator,
     effect: Some(&effects::SELF_HEATING),
+    phenomena: &[&phenomena::SELF_HEATING],
     inputs: &[Input::PATH, Input::axis("command")],
     parameters: &[
         Quantity::new("loss", "1", "Loss tangent").min(0.0).fitted(),

@@ -10,8 +10,8 @@
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
-use crate::effects;
 use crate::rules::WRONG_LENGTH;
+use crate::{effects, phenomena};
 
 /// The component `actuator-temperature`.
 pub struct ActuatorTemperature;
@@ -24,6 +24,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "makers' tables of multilayer actuators",
     stage: Stage::Actuator,
     effect: Some(&effects::ACTUATOR_GAIN),
+    phenomena: &[&phenomena::GAIN_OVER_TEMPERATURE],
     parameters: &[
         Quantity::new("coefficient", "1/K", "Relative change of the gain per kelvin").fitted(),
         Quantity::new("temperature", "degC", "Temperature of the actuator")

@@ -22,6 +22,7 @@ use model::{Component, Declaration, Input, Output, Quantity, Sizes, Stage, Tick,
 
 use super::self_heating::alternating;
 use crate::linear::approach;
+use crate::phenomena;
 use crate::rules::{WRONG_LENGTH, require};
 
 /// The component `thermal-port`.
@@ -35,6 +36,7 @@ static DECLARATION: Declaration = Declaration {
                pi/2*loss*capacitance*|(v - mean(v))*v'|",
     reference: "K. Uchino, S. Hirose, IEEE Trans. UFFC 48 (2001) 307-321",
     stage: Stage::Actuator,
+    phenomena: &[&phenomena::THERMAL_NETWORK],
     inputs: &[
         Input::PATH,
         Input::axis_at_rest("actuator_temperature"),

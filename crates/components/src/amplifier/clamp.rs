@@ -13,8 +13,8 @@
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `amplifier-clamp`.
 pub struct AmplifierClamp;
@@ -28,6 +28,7 @@ static DECLARATION: Declaration = Declaration {
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
     effect: Some(&effects::AMPLIFIER_SATURATION),
+    phenomena: &[&phenomena::VOLTAGE_LIMITS],
     parameters: &[
         Quantity::new("low", "{command}", "Least voltage").fitted(),
         Quantity::new("high", "{command}", "Greatest voltage").fitted(),

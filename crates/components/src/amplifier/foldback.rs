@@ -16,9 +16,9 @@
 use libm::{fabs, fmin};
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `amplifier-foldback`.
 pub struct AmplifierFoldback;
@@ -33,6 +33,7 @@ static DECLARATION: Declaration = Declaration {
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
     effect: Some(&effects::AMPLIFIER_SLEW),
+    phenomena: &[&phenomena::FOLDBACK],
     parameters: &[
         Quantity::new("continuous", "A", "Greatest rms current").min(0.0).fitted(),
         Quantity::new("peak", "A", "Greatest current at any time").min(0.0).fitted(),

@@ -12,9 +12,9 @@
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::linear::lag_fraction;
 use crate::rules::{WRONG_LENGTH, positive_frequency};
+use crate::{effects, phenomena};
 
 /// The component `amplifier-lag`.
 pub struct AmplifierLag;
@@ -28,6 +28,7 @@ static DECLARATION: Declaration = Declaration {
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
     effect: Some(&effects::AMPLIFIER_BANDWIDTH),
+    phenomena: &[&phenomena::AMPLIFIER_LAG],
     parameters: &[
         Quantity::new("bandwidth", "Hz", "Frequency at which the gain has fallen by 3 dB")
             .releases(&effects::AMPLIFIER_BANDWIDTH)

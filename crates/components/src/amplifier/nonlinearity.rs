@@ -10,8 +10,8 @@
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `amplifier-nonlinearity`.
 pub struct AmplifierNonlinearity;
@@ -25,6 +25,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "IEEE Std 1241, Terminology and Test Methods for Analog-to-Digital Converters",
     stage: Stage::Amplifier,
     effect: Some(&effects::SENSOR_NONLINEARITY),
+    phenomena: &[&phenomena::CONVERTER_NONLINEARITY],
     parameters: &[
         Quantity::new("offset", "{command}", "Voltage at zero command").start(0.0).fitted(),
         Quantity::new("quadratic", "1", "Quadratic deviation at the end of the range")

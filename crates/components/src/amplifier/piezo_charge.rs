@@ -16,6 +16,7 @@
 
 use model::{Component, Declaration, Input, Output, Quantity, Sizes, Stage, Tick, Violation};
 
+use crate::phenomena;
 use crate::rules::WRONG_LENGTH;
 
 /// The component `piezo-charge`.
@@ -28,6 +29,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "q = capacitance*v + transduction*x; i = dq/dt",
     reference: "M. Goldfarb, N. Celanovic, IEEE Control Systems 17 (1997) 69-79",
     stage: Stage::Amplifier,
+    phenomena: &[&phenomena::CHARGE],
     inputs: &[Input::PATH, Input::axis_at_rest("displacement")],
     outputs: &[
         Output::PATH,

@@ -25,8 +25,8 @@
 use libm::{copysign, exp, fabs, fmax, log};
 use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `amplifier-rc`.
 pub struct AmplifierRc;
@@ -41,6 +41,7 @@ static DECLARATION: Declaration = Declaration {
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
     effect: Some(&effects::AMPLIFIER_BANDWIDTH),
+    phenomena: &[&phenomena::AMPLIFIER_LAG, &phenomena::CURRENT_LIMIT],
     inputs: &[Input::PATH, Input::axis("displacement")],
     parameters: &[
         Quantity::new("resistance", "Ohm", "Output resistance").min(0.0).fitted(),

@@ -10,8 +10,8 @@
 
 use model::{Declaration, Quantity, Stage};
 
-use crate::effects;
 use crate::low_pass::{self, LowPass};
+use crate::{effects, phenomena};
 
 /// The component `amplifier-second-order`.
 pub static AMPLIFIER_SECOND_ORDER: LowPass =
@@ -26,6 +26,7 @@ static DECLARATION: Declaration = Declaration {
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
     effect: Some(&effects::AMPLIFIER_BANDWIDTH),
+    phenomena: &[&phenomena::AMPLIFIER_SECOND_ORDER],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency").min(0.0).fitted(),
         Quantity::new("damping", "1", "Damping ratio; 0.707 is flat").min(0.0).fitted(),

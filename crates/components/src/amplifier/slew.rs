@@ -10,8 +10,8 @@
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `amplifier-slew`.
 pub struct AmplifierSlew;
@@ -25,6 +25,7 @@ static DECLARATION: Declaration = Declaration {
                 Systems, Springer 2014, ch. 14",
     stage: Stage::Amplifier,
     effect: Some(&effects::AMPLIFIER_SLEW),
+    phenomena: &[&phenomena::CURRENT_LIMIT],
     parameters: &[Quantity::new("rate", "{command}/s", "Greatest slope").min(0.0).fitted()],
     ..Declaration::PATH
 };

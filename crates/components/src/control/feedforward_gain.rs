@@ -9,6 +9,7 @@
 
 use model::{Component, Conversion, Declaration, Quantity, Sizes, Stage, Violation};
 
+use crate::phenomena;
 use crate::rules::WRONG_LENGTH;
 
 /// The component `feedforward-gain`.
@@ -22,6 +23,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "inverse of a linear actuator",
     stage: Stage::Control,
     conversion: Conversion::PositionToCommand,
+    phenomena: &[&phenomena::CONTROLLER_DIFFERENCE],
     parameters: &[
         Quantity::new("gain", "{command}/{position}", "Command per position").tunable().fitted(),
         Quantity::new("offset", "{position}", "Position at zero command")

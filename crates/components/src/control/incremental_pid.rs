@@ -20,6 +20,7 @@ use model::{
 };
 
 use super::limiter::{ENABLE, HOLD, KFF, Limiter, OUTPUT_MAX, OUTPUT_MIN, RATE_MAX, SAFE, truth};
+use crate::phenomena;
 use crate::rules::WRONG_LENGTH;
 
 /// The component `incremental-pid`.
@@ -35,6 +36,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "LS-SVM with stop operators tuned by particle swarm, eqs. (22), (23)",
     stage: Stage::Control,
     conversion: Conversion::Control,
+    phenomena: &[&phenomena::CONTROLLER_DIFFERENCE],
     inputs: &[
         Input { name: "feedforward", ..Input::PATH },
         Input::axis("reference"),

@@ -34,6 +34,7 @@ use model::{
 };
 
 use super::limiter::{ENABLE, HOLD, KFF, Limiter, OUTPUT_MAX, OUTPUT_MIN, RATE_MAX, SAFE, truth};
+use crate::phenomena;
 use crate::rules::WRONG_LENGTH;
 
 /// The component `pid`.
@@ -49,6 +50,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ch. 3 and 13",
     stage: Stage::Control,
     conversion: Conversion::Control,
+    phenomena: &[&phenomena::CONTROLLER_DIFFERENCE],
     inputs: &[
         Input { name: "feedforward", ..Input::PATH },
         Input::axis("reference"),

@@ -20,6 +20,7 @@
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
 use crate::hysteresis::play::between;
+use crate::phenomena;
 use crate::rules::WRONG_LENGTH;
 
 /// The component `reference-lead`.
@@ -33,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. Control Syst. \
                 Technol. 15 (2007) 802-823",
     stage: Stage::Control,
+    phenomena: &[&phenomena::CONTROLLER_DIFFERENCE],
     parameters: &[
         Quantity::new("lag", "s", "Sum of the path's time constants and delays").min(0.0).tunable(),
         Quantity::new("inertia", "s2", "Second-order coefficient, 1/omega^2 for one mode")

@@ -12,8 +12,8 @@
 use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Structural, Violation};
 
 use super::matrix;
-use crate::effects;
 use crate::rules::WRONG_LENGTH;
+use crate::{effects, phenomena};
 
 /// The component `command-coupling`.
 pub struct CommandCoupling;
@@ -27,6 +27,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. CST 15 (2007) 802-823",
     stage: Stage::Coupling,
     effect: Some(&effects::CROSS_COUPLING),
+    phenomena: &[&phenomena::STATIC_COUPLING],
     inputs: &[Input::EACH_PATH, Input::each("command")],
     structure: &STRUCTURE,
     parameters: &[Quantity::new(

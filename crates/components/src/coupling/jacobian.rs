@@ -14,6 +14,7 @@ use model::{
 };
 
 use super::matrix;
+use crate::phenomena;
 use crate::rules::WRONG_LENGTH;
 
 /// The component `optics-jacobian`.
@@ -29,6 +30,7 @@ static DECLARATION: Declaration = Declaration {
                 J*theta + p0",
     stage: Stage::Coupling,
     conversion: Conversion::MotionToPosition,
+    phenomena: &[&phenomena::OPTICS],
     inputs: &[Input::EACH_PATH],
     structure: &STRUCTURE,
     parameters: &[

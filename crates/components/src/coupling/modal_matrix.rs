@@ -20,9 +20,9 @@ use model::{
 };
 
 use super::matrix;
-use crate::effects;
 use crate::linear::Transition;
 use crate::rules::{WRONG_LENGTH, require, second_order};
+use crate::{effects, phenomena};
 
 /// The component `modal-matrix`.
 pub struct ModalMatrix;
@@ -47,6 +47,7 @@ static DECLARATION: Declaration = Declaration {
                z'' + 2*damping*w*z' + w^2*z = w^2*x; w = 2*pi*frequency",
     reference: "J.-N. Juang, R. S. Pappa, J. Guidance 8 (1985) 620-627",
     stage: Stage::Coupling,
+    phenomena: &[&phenomena::DYNAMIC_COUPLING],
     inputs: &[Input::EACH_PATH],
     structure: &STRUCTURE,
     parameters: &[

@@ -15,9 +15,9 @@ use model::{
 };
 
 use super::matrix;
-use crate::effects;
 use crate::linear::Transition;
 use crate::rules::{WRONG_LENGTH, second_order};
+use crate::{effects, phenomena};
 
 /// The component `mode-coupling`.
 pub struct ModeCoupling;
@@ -32,6 +32,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "S. Devasia, E. Eleftheriou, S. O. R. Moheimani, IEEE Trans. CST 15 (2007) 802-823",
     stage: Stage::Coupling,
     effect: Some(&effects::CROSS_COUPLING),
+    phenomena: &[&phenomena::DYNAMIC_COUPLING],
     inputs: &[Input::EACH_PATH, Input::each("command")],
     structure: &STRUCTURE,
     parameters: &[

@@ -12,8 +12,8 @@
 
 use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Structural, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `psd-pincushion`.
 pub struct PsdPincushion;
@@ -26,6 +26,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "W. Wang, I. J. Busch-Vishniac, Applied Optics 28 (1989) 4504",
     stage: Stage::Coupling,
     effect: Some(&effects::SENSOR_NONLINEARITY),
+    phenomena: &[&phenomena::PINCUSHION],
     inputs: &[Input::EACH_PATH],
     structure: &[Structural::count("axes", "Number of axes, 2", 2, 2)],
     parameters: &[

@@ -27,9 +27,9 @@ use libm::{exp, pow};
 use model::{Component, Declaration, Input, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use super::modal_matrix::{STRUCTURE, counts, has_matrices, read};
-use crate::effects;
 use crate::linear::Transition;
 use crate::rules::{WRONG_LENGTH, require, second_order};
+use crate::{effects, phenomena};
 
 /// The component `softening-modes`.
 pub struct SofteningModes;
@@ -51,6 +51,7 @@ static DECLARATION: Declaration = Declaration {
                time_constant*m' = x - m; time_constant*v' = (x - m)^2 - v",
     reference: "L. Gaul, R. Nitsche, Appl. Mech. Rev. 54 (2001) 93-106",
     stage: Stage::Coupling,
+    phenomena: &[&phenomena::DYNAMIC_COUPLING],
     inputs: &[Input::EACH_PATH],
     structure: &STRUCTURE,
     parameters: &[

@@ -23,9 +23,9 @@ use libm::{log10, pow, round};
 use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use super::elements::{Elements, coefficients, parts_mut};
-use crate::effects;
 use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `fractional-creep`.
 pub struct FractionalCreep;
@@ -39,6 +39,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. Oustaloup et al., IEEE Trans. Circuits and Systems I 47 (2000) 25-39",
     stage: Stage::Actuator,
     effect: Some(&effects::CREEP),
+    phenomena: &[&phenomena::CREEP],
     structure: &[
         Structural::real("lowest", "Hz", "Lower end of the band", 1e-4, 1e-9, 1e6),
         Structural::real("highest", "Hz", "Upper end of the band", 100.0, 1e-6, 1e9),

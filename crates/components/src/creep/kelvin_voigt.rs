@@ -14,9 +14,9 @@
 use model::{Component, Declaration, Inverse, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use super::elements::{Elements, coefficients, parts_mut};
-use crate::effects;
 use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, increasing, require_at};
+use crate::{effects, phenomena};
 
 /// The component `kelvin-voigt-creep`.
 pub struct KelvinVoigtCreep;
@@ -29,6 +29,7 @@ pub(super) static DECLARATION: Declaration = Declaration {
     reference: "H. Janocha, K. Kuhnen, Sensors and Actuators A 79 (2000) 83-89",
     stage: Stage::Actuator,
     effect: Some(&effects::CREEP),
+    phenomena: &[&phenomena::CREEP],
     structure: &[Structural::count("elements", "Number of elements", 1, 64)],
     parameters: &[
         Quantity::new("share", "1", "Final creep of each element, relative to the step")

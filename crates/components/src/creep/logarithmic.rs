@@ -19,9 +19,9 @@ use libm::{exp, log10, pow, round};
 use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use super::elements::{Elements, coefficients, parts_mut};
-use crate::effects;
 use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `logarithmic-creep`.
 pub struct LogarithmicCreep;
@@ -34,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "H. Jung, D.-G. Gweon, Rev. Sci. Instrum. 71 (2000) 1896-1900",
     stage: Stage::Actuator,
     effect: Some(&effects::CREEP),
+    phenomena: &[&phenomena::CREEP],
     structure: &[
         Structural::real(
             "shortest",

@@ -7,6 +7,7 @@
 
 use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Violation};
 
+use crate::phenomena;
 use crate::rules::WRONG_LENGTH;
 
 /// The component `disturbance`.
@@ -19,6 +20,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = x + gain*disturbance",
     reference: "definition",
     stage: Stage::Environment,
+    phenomena: &[&phenomena::DISTURBANCE],
     inputs: &[Input::PATH, Input::axis_at_rest("disturbance")],
     parameters: &[Quantity::new("gain", "1", "Factor of the disturbance").start(1.0)],
     ..Declaration::PATH

@@ -13,10 +13,10 @@
 use libm::sqrt;
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::linear::Transition;
 use crate::random::normal;
 use crate::rules::{WRONG_LENGTH, second_order};
+use crate::{effects, phenomena};
 
 /// The component `floor-vibration`.
 pub struct FloorVibration;
@@ -29,6 +29,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "C. G. Gordon, Proc. SPIE 1619 (1992) 71-85 (levels)",
     stage: Stage::Environment,
     effect: Some(&effects::FLOOR_VIBRATION),
+    phenomena: &[&phenomena::FLOOR_VIBRATION],
     parameters: &[
         Quantity::new("rms", "{position}", "Standard deviation").min(0.0).fitted(),
         Quantity::new("frequency", "Hz", "Frequency of the mode").start(10.0).min(0.0),

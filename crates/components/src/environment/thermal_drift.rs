@@ -15,9 +15,9 @@
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::linear::approach;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `thermal-drift`.
 pub struct ThermalDrift;
@@ -31,6 +31,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "ISO 230-3, Determination of thermal effects",
     stage: Stage::Environment,
     effect: Some(&effects::THERMAL_DRIFT),
+    phenomena: &[&phenomena::THERMAL_GROWTH],
     parameters: &[
         Quantity::new("rate", "{position}/s", "Steady drift").start(0.0).fitted(),
         Quantity::new("settling", "{position}", "Drift that settles after the start")

@@ -10,9 +10,9 @@
 
 use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::linear::approach;
 use crate::rules::WRONG_LENGTH;
+use crate::{effects, phenomena};
 
 /// The component `thermal-expansion`.
 pub struct ThermalExpansion;
@@ -25,6 +25,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "ISO 230-3, Determination of thermal effects",
     stage: Stage::Environment,
     effect: Some(&effects::THERMAL_DRIFT),
+    phenomena: &[&phenomena::THERMAL_GROWTH],
     inputs: &[Input::PATH, Input::TEMPERATURE],
     parameters: &[
         Quantity::new("expansion", "{position}/K", "Growth per kelvin").fitted(),

@@ -29,8 +29,8 @@ use model::{
 };
 
 use super::numeric_inverse::{Forward, Rates};
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `bouc-wen`.
 pub struct BoucWen;
@@ -70,6 +70,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
+    phenomena: &[&phenomena::HYSTERESIS, &phenomena::ASYMMETRIC_HYSTERESIS],
     parameters: &PARAMETERS,
     ..Declaration::PATH
 };

@@ -17,8 +17,8 @@
 use model::{Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Tick, Violation};
 
 use super::duhem::Law;
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `dahl`.
 pub struct Dahl;
@@ -32,6 +32,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
+    phenomena: &[&phenomena::HYSTERESIS],
     parameters: &PARAMETERS,
     ..Declaration::PATH
 };

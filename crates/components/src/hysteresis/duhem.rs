@@ -20,8 +20,8 @@
 use libm::{exp, fabs};
 use model::{Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `duhem`.
 pub struct Duhem;
@@ -35,6 +35,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
+    phenomena: &[&phenomena::HYSTERESIS],
     parameters: &PARAMETERS,
     ..Declaration::PATH
 };

@@ -35,8 +35,8 @@ use super::play::{Drive, Plays, Threshold, play};
 use super::prandtl_ishlinskii::{OFFSET, PLAYS, R, W, check_invertible, check_plays};
 use super::rate;
 use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN};
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept};
+use crate::{effects, phenomena};
 
 /// The component `dynamic-prandtl-ishlinskii`.
 pub struct DynamicPrandtlIshlinskii;
@@ -73,6 +73,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
+    phenomena: &[&phenomena::RATE_DEPENDENT_HYSTERESIS],
     structure: STRUCTURE,
     parameters: &[R, W, ALPHA, BETA, OFFSET],
     ..Declaration::PATH

@@ -25,8 +25,8 @@ use model::{Component, Conversion, Declaration, Inverse, Quantity, Sizes, Stage,
 
 use super::play::{Plays, between, invert};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_invertible, check_plays};
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `generalised-play`.
 pub struct GeneralisedPlay;
@@ -59,6 +59,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::ASYMMETRY),
+    phenomena: &[&phenomena::ASYMMETRIC_HYSTERESIS],
     structure: STRUCTURE,
     parameters: PARAMETERS,
     ..Declaration::PATH

@@ -26,8 +26,8 @@ use super::play::{Plays, between};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_invertible, check_plays};
 use super::rate;
 use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN};
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `grpi`.
 pub struct Grpi;
@@ -56,6 +56,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
+    phenomena: &[&phenomena::RATE_DEPENDENT_HYSTERESIS],
     structure: STRUCTURE,
     parameters: &[R, W, OFFSET, A1, A2, B1, B2],
     ..Declaration::PATH

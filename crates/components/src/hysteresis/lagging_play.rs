@@ -23,9 +23,9 @@ use model::{
 
 use super::play::Plays;
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
-use crate::effects;
 use crate::linear::lag_fraction;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `lagging-play`.
 pub struct LaggingPlay;
@@ -40,6 +40,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
+    phenomena: &[&phenomena::RATE_DEPENDENT_HYSTERESIS],
     structure: STRUCTURE,
     parameters: &[
         R,

@@ -19,8 +19,8 @@ use model::{
 use super::dead_zone::DeadZones;
 use super::play::{Plays, invert};
 use super::prandtl_ishlinskii::{OFFSET, PLAYS, R, W, check_invertible, check_plays};
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept};
+use crate::{effects, phenomena};
 
 /// The component `modified-prandtl-ishlinskii`.
 pub struct ModifiedPrandtlIshlinskii;
@@ -52,6 +52,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::ASYMMETRY),
+    phenomena: &[&phenomena::ASYMMETRIC_HYSTERESIS],
     structure: STRUCTURE,
     parameters: PARAMETERS,
     ..Declaration::PATH

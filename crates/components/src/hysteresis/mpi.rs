@@ -27,8 +27,8 @@ use super::play::Plays;
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
 use super::rate;
 use super::rate_dependent_play::{COMMAND_MAX, COMMAND_MIN, GROWTH, RATE, widened, widened_frozen};
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `mpi`.
 pub struct Mpi;
@@ -62,6 +62,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
+    phenomena: &[&phenomena::RATE_DEPENDENT_HYSTERESIS],
     structure: STRUCTURE,
     parameters: &[R, W, OFFSET, LINEAR, CUBIC, SCALE, RATE],
     ..Declaration::PATH

@@ -21,8 +21,8 @@ use model::{
 };
 
 use super::play::Plays;
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, increasing, kept, require, require_at};
+use crate::{effects, phenomena};
 
 /// The component `prandtl-ishlinskii`.
 pub struct PrandtlIshlinskii;
@@ -66,6 +66,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
+    phenomena: &[&phenomena::HYSTERESIS],
     structure: STRUCTURE,
     parameters: &[R, LOADING_W, OFFSET],
     ..Declaration::PATH

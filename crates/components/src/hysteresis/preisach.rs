@@ -27,8 +27,8 @@ use model::{
 };
 
 use super::prandtl_ishlinskii::OFFSET;
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require, require_at};
+use crate::{effects, phenomena};
 
 /// The component `preisach`.
 pub struct Preisach;
@@ -43,6 +43,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::HYSTERESIS),
+    phenomena: &[&phenomena::HYSTERESIS],
     structure: &STRUCTURE,
     parameters: &PARAMETERS,
     ..Declaration::PATH

@@ -24,8 +24,8 @@ use super::numeric_inverse::{Forward, NumericInverse, Rates, mean_slope};
 use super::play::{Drive, Plays, Threshold, play};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
 use super::rate;
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `rate-dependent-play`.
 pub struct RateDependentPlay;
@@ -59,6 +59,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::RATE_DEPENDENCE),
+    phenomena: &[&phenomena::RATE_DEPENDENT_HYSTERESIS],
     structure: STRUCTURE,
     parameters: &[R, W, OFFSET, GAIN, RATE],
     ..Declaration::PATH

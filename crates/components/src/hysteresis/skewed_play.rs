@@ -24,8 +24,8 @@ use model::{Component, Conversion, Declaration, Quantity, Sizes, Stage, Tick, Vi
 
 use super::play::{Drive, Plays, Threshold, play};
 use super::prandtl_ishlinskii::{OFFSET, R, STRUCTURE, W, check_plays};
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `skewed-play`.
 pub struct SkewedPlay;
@@ -41,6 +41,7 @@ static DECLARATION: Declaration = Declaration {
     stage: Stage::Actuator,
     conversion: Conversion::CommandToPosition,
     effect: Some(&effects::ASYMMETRY),
+    phenomena: &[&phenomena::ASYMMETRIC_HYSTERESIS],
     structure: STRUCTURE,
     parameters: &[
         R,

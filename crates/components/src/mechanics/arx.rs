@@ -14,6 +14,7 @@
 use libm::{fabs, round};
 use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
+use crate::phenomena;
 use crate::rules::{WRONG_LENGTH, require};
 
 /// The component `arx`.
@@ -26,6 +27,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y(k) = sum(b[i]*u(k-i+1)) - sum(a[j]*y(k-j))",
     reference: "laser beam pointing with four piezo axes, eq. (11)",
     stage: Stage::Mechanics,
+    phenomena: &[&phenomena::CONTROLLER_DIFFERENCE],
     structure: &[
         Structural {
             name: "sample_time",

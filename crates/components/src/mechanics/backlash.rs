@@ -11,8 +11,8 @@
 use crate::hysteresis::play::{Drive, Threshold, play};
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::rules::WRONG_LENGTH;
+use crate::{effects, phenomena};
 
 /// The component `backlash`.
 pub struct Backlash;
@@ -26,6 +26,7 @@ static DECLARATION: Declaration = Declaration {
                 Nonlinearities, Wiley 1996",
     stage: Stage::Mechanics,
     effect: Some(&effects::BACKLASH),
+    phenomena: &[&phenomena::BACKLASH],
     parameters: &[
         Quantity::new("width", "{position}", "Clearance").min(0.0).fitted(),
         Quantity::new("bridge", "1", "Share of a motion that passes within the clearance")

@@ -11,9 +11,9 @@
 
 use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::linear::Transition;
 use crate::rules::{WRONG_LENGTH, positive_frequency, second_order};
+use crate::{effects, phenomena};
 
 /// The component `collocated-mode`.
 pub struct CollocatedMode;
@@ -27,6 +27,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 2",
     stage: Stage::Mechanics,
     effect: Some(&effects::EXTRA_MODE),
+    phenomena: &[&phenomena::SECOND_MODE],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency of the resonance")
             .role(Role::Frequency)

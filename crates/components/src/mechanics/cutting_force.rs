@@ -15,9 +15,9 @@ use core::f64::consts::TAU;
 use libm::floor;
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
 use crate::turn;
+use crate::{effects, phenomena};
 
 /// The component `cutting-force`.
 pub struct CuttingForce;
@@ -31,6 +31,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "E. Shamoto, T. Moriwaki, CIRP Annals 43 (1994) 35-38",
     stage: Stage::Mechanics,
     effect: Some(&effects::PERIODIC_DISTURBANCE),
+    phenomena: &[&phenomena::CUTTING_FORCE],
     parameters: &[
         Quantity::new("amplitude", "{position}", "Greatest force over stiffness").fitted(),
         Quantity::new("frequency", "Hz", "Frequency of the ellipse").min(0.0).fitted(),

@@ -18,9 +18,9 @@ use libm::sqrt;
 use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use super::substeps::SubSteps;
-use crate::effects;
 use crate::hysteresis::play::between;
 use crate::rules::{WRONG_LENGTH, require, second_order};
+use crate::{effects, phenomena};
 
 /// The component `duffing`.
 pub struct Duffing;
@@ -34,6 +34,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 4",
     stage: Stage::Mechanics,
     effect: Some(&effects::DUFFING),
+    phenomena: &[&phenomena::AMPLITUDE_STIFFNESS],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency of small motions")
             .role(Role::Frequency)

@@ -24,10 +24,10 @@ use core::f64::consts::TAU;
 use libm::{ceil, copysign, exp, fabs, fmax, sqrt};
 use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::linear::Transition;
 use crate::rules::{WRONG_LENGTH, require, second_order};
 use crate::solve::newton;
+use crate::{effects, phenomena};
 
 /// The component `friction`.
 pub struct Friction;
@@ -41,6 +41,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419-425",
     stage: Stage::Mechanics,
     effect: Some(&effects::FRICTION),
+    phenomena: &[&phenomena::FRICTION],
     parameters: &[
         Quantity::new("frequency", "Hz", "Undamped natural frequency")
             .role(Role::Frequency)

@@ -14,6 +14,7 @@
 
 use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Violation};
 
+use crate::phenomena;
 use crate::rules::{WRONG_LENGTH, require};
 
 /// The component `load-force`.
@@ -26,6 +27,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "y = u + force/stiffness",
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 3",
     stage: Stage::Mechanics,
+    phenomena: &[&phenomena::LOAD_FORCE, &phenomena::CUTTING_FORCE],
     inputs: &[Input::PATH, Input::FORCE],
     parameters: &[Quantity::new(
         "stiffness",

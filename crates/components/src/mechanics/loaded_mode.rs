@@ -18,10 +18,10 @@ use core::f64::consts::TAU;
 use libm::sqrt;
 use model::{Declaration, Quantity, Role, Stage, Violation};
 
-use crate::effects;
 use crate::linear::SecondOrder;
 use crate::low_pass::LowPass;
 use crate::rules::{WRONG_LENGTH, require, second_order};
+use crate::{effects, phenomena};
 
 /// The component `loaded-mode`.
 pub static LOADED_MODE: LowPass =
@@ -36,6 +36,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 2",
     stage: Stage::Mechanics,
     effect: Some(&effects::RESONANCE_SHIFT),
+    phenomena: &[&phenomena::PAYLOAD, &phenomena::ELLIPSE_ERROR],
     parameters: &[
         Quantity::new("frequency", "Hz", "Undamped natural frequency without load")
             .role(Role::Frequency)

@@ -15,6 +15,8 @@
 
 use model::{Component, Declaration, Output, Sizes, Stage, Tick, Violation};
 
+use crate::phenomena;
+
 /// The component `mechanical-port`.
 pub struct MechanicalPort;
 
@@ -25,6 +27,7 @@ static DECLARATION: Declaration = Declaration {
     equation: "tip = x; tip_velocity = dx/dt",
     reference: "F. E. Cellier, Continuous System Modeling, Springer 1991, ch. 7",
     stage: Stage::Mechanics,
+    phenomena: &[&phenomena::TIP_MOTION],
     outputs: &[
         Output::PATH,
         Output::published(

@@ -14,8 +14,8 @@
 use model::{Component, Declaration, Extension, Quantity, Role, Stage};
 
 use super::{Duffing, Friction, NonlinearDamping, PositionStiffness};
-use crate::effects;
 use crate::low_pass::{self, LowPass};
+use crate::{effects, phenomena};
 
 /// The component `mode`.
 pub static MODE: LowPass =
@@ -29,6 +29,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. Preumont, Vibration Control of Active Structures, 3rd ed. 2011, ch. 2",
     stage: Stage::Mechanics,
     effect: Some(&effects::EXTRA_MODE),
+    phenomena: &[&phenomena::MODE, &phenomena::ELLIPSE_ERROR],
     parameters: &[
         Quantity::new("frequency", "Hz", "Undamped natural frequency")
             .role(Role::Frequency)

@@ -23,8 +23,8 @@ use libm::{ceil, fabs, fmax, hypot, tanh};
 use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use super::substeps::SubSteps;
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require, second_order};
+use crate::{effects, phenomena};
 
 /// Greatest turn of the mode in one sub-step, in rad.
 const TURN: f64 = 0.1;
@@ -43,6 +43,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, Wiley 1979, ch. 3",
     stage: Stage::Mechanics,
     effect: Some(&effects::DAMPING),
+    phenomena: &[&phenomena::FRICTION],
     parameters: &[
         Quantity::new("frequency", "Hz", "Undamped natural frequency")
             .role(Role::Frequency)

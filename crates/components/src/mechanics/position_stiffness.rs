@@ -23,10 +23,10 @@ use libm::{fmax, fmin, sqrt};
 use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
 use super::substeps::SubSteps;
-use crate::effects;
 use crate::hysteresis::play::between;
 use crate::rules::{WRONG_LENGTH, require, second_order};
 use crate::solve::newton;
+use crate::{effects, phenomena};
 
 /// The component `position-stiffness`.
 pub struct PositionStiffness;
@@ -40,6 +40,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "S. Henein, Conception des guidages flexibles, PPUR 2001",
     stage: Stage::Mechanics,
     effect: Some(&effects::RESONANCE_SHIFT),
+    phenomena: &[&phenomena::POSITION_STIFFNESS],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency at the centre")
             .role(Role::Frequency)

@@ -11,9 +11,9 @@ use core::f64::consts::TAU;
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
-use crate::effects;
 use crate::rules::WRONG_LENGTH;
 use crate::turn;
+use crate::{effects, phenomena};
 
 /// The component `vibration`.
 pub struct Vibration;
@@ -26,6 +26,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "sum of sines",
     stage: Stage::Mechanics,
     effect: Some(&effects::PERIODIC_DISTURBANCE),
+    phenomena: &[&phenomena::VIBRATION],
     structure: &[Structural::count("lines", "Number of lines", 1, 64)],
     parameters: &[
         Quantity::new("frequency", "Hz", "Frequency of each line").min(0.0).per(0).fitted(),

@@ -14,8 +14,8 @@ use core::f64::consts::{PI, TAU};
 use libm::{cos, exp, sin};
 use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, positive_frequency};
+use crate::{effects, phenomena};
 
 /// The component `sensor-butterworth`.
 pub struct SensorButterworth;
@@ -28,6 +28,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "S. Butterworth, Experimental Wireless and the Wireless Engineer 7 (1930) 536-541",
     stage: Stage::Sensor,
     effect: Some(&effects::SENSOR_BANDWIDTH),
+    phenomena: &[&phenomena::SENSOR_BANDWIDTH],
     structure: &[Structural {
         start: Some(2.0),
         ..Structural::count("order", "Order of the filter", 1, 8)

@@ -10,8 +10,8 @@
 
 use model::{Component, Declaration, Input, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::rules::WRONG_LENGTH;
+use crate::{effects, phenomena};
 
 /// The component `crosstalk`.
 pub struct Crosstalk;
@@ -24,6 +24,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "H. W. Ott, Electromagnetic Compatibility Engineering, Wiley 2009, ch. 2",
     stage: Stage::Sensor,
     effect: Some(&effects::CROSSTALK),
+    phenomena: &[&phenomena::CROSSTALK],
     inputs: &[Input::PATH, Input { at_rest: true, ..Input::axis("command") }],
     parameters: &[
         Quantity::new("gain", "{position}/{command}", "Reading per command").start(0.0).fitted(),

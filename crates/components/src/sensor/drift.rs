@@ -11,9 +11,9 @@
 use libm::sqrt;
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::random::normal;
 use crate::rules::WRONG_LENGTH;
+use crate::{effects, phenomena};
 
 /// The component `sensor-drift`.
 pub struct SensorDrift;
@@ -26,6 +26,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, Sensors and Actuators A 190 (2013) 106-126",
     stage: Stage::Sensor,
     effect: Some(&effects::THERMAL_DRIFT),
+    phenomena: &[&phenomena::SENSOR_DRIFT],
     parameters: &[
         Quantity::new("per_hour", "{position}", "Standard deviation after one hour")
             .min(0.0)

@@ -10,9 +10,9 @@
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Tick, Violation};
 
-use crate::effects;
 use crate::linear::lag_fraction;
 use crate::rules::{WRONG_LENGTH, positive_frequency};
+use crate::{effects, phenomena};
 
 /// The component `sensor-lag`.
 pub struct SensorLag;
@@ -26,6 +26,7 @@ static DECLARATION: Declaration = Declaration {
                 Actuators A 190 (2013) 106-126",
     stage: Stage::Sensor,
     effect: Some(&effects::SENSOR_BANDWIDTH),
+    phenomena: &[&phenomena::SENSOR_BANDWIDTH],
     parameters: &[Quantity::new(
         "bandwidth",
         "Hz",

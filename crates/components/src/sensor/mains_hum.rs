@@ -12,9 +12,9 @@ use core::f64::consts::TAU;
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
-use crate::effects;
 use crate::rules::WRONG_LENGTH;
 use crate::turn;
+use crate::{effects, phenomena};
 
 /// The component `mains-hum`.
 pub struct MainsHum;
@@ -27,6 +27,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "sum of sines",
     stage: Stage::Sensor,
     effect: Some(&effects::MAINS_HUM),
+    phenomena: &[&phenomena::MAINS_HUM],
     structure: &[Structural::count(
         "harmonics",
         "Number of harmonics, the first being the mains",

@@ -25,9 +25,9 @@ use core::f64::consts::{LN_10, PI, TAU};
 use libm::{ceil, exp, expm1, log10, pow, sqrt};
 use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
-use crate::effects;
 use crate::random::{normal, normals};
 use crate::rules::WRONG_LENGTH;
+use crate::{effects, phenomena};
 
 /// The component `sensor-noise`.
 pub struct SensorNoise;
@@ -40,6 +40,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "N. J. Kasdin, Proc. IEEE 83 (1995) 802-827",
     stage: Stage::Sensor,
     effect: Some(&effects::SENSOR_NOISE),
+    phenomena: &[&phenomena::SENSOR_NOISE],
     structure: &[Structural::real(
         "lowest",
         "Hz",

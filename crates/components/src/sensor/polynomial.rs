@@ -10,8 +10,8 @@
 
 use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `sensor-polynomial`.
 pub struct SensorPolynomial;
@@ -24,6 +24,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, Sensors and Actuators A 190 (2013) 106-126",
     stage: Stage::Sensor,
     effect: Some(&effects::SENSOR_NONLINEARITY),
+    phenomena: &[&phenomena::ABBE_ERROR, &phenomena::SENSOR_NONLINEARITY],
     parameters: &[
         Quantity::new("quadratic", "1", "Quadratic deviation at the end of the range")
             .start(0.0)

@@ -15,8 +15,8 @@ use core::f64::consts::{FRAC_2_SQRT_PI, SQRT_2};
 use libm::erf;
 use model::{Component, Declaration, Quantity, Sizes, Stage, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, kept, require};
+use crate::{effects, phenomena};
 
 /// The component `sensor-quad-cell`.
 pub struct SensorQuadCell;
@@ -29,6 +29,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "L. P. Salles, D. W. de Lima Monteiro, IEEE Sensors Journal 10 (2010) 286-293",
     stage: Stage::Sensor,
     effect: Some(&effects::SENSOR_NONLINEARITY),
+    phenomena: &[&phenomena::QUAD_CELL_SATURATION],
     parameters: &[
         Quantity::new("radius", "{position}", "1/e^2 radius of the spot").min(0.0).fitted(),
         Quantity::new("centre", "{position}", "Middle of the detector").start(0.0).fitted(),

@@ -9,8 +9,8 @@
 
 use model::{Declaration, Quantity, Stage};
 
-use crate::effects;
 use crate::quantiser::Quantiser;
+use crate::{effects, phenomena};
 
 /// The component `sensor-quantisation`.
 pub static SENSOR_QUANTISATION: Quantiser = Quantiser { declaration: &DECLARATION };
@@ -23,6 +23,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "B. Widrow, I. Kollar, Quantization Noise, Cambridge University Press 2008",
     stage: Stage::Sensor,
     effect: Some(&effects::SENSOR_QUANTISATION),
+    phenomena: &[&phenomena::READING_QUANTISATION],
     parameters: &[Quantity::new(
         "resolution",
         "{position}",

@@ -9,7 +9,7 @@
 use model::{Declaration, Quantity, Stage};
 
 use crate::affine::Affine;
-use crate::effects;
+use crate::{effects, phenomena};
 
 /// The component `sensor-scale`.
 pub static SENSOR_SCALE: Affine = Affine { declaration: &DECLARATION };
@@ -22,6 +22,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "linear sensor",
     stage: Stage::Sensor,
     effect: Some(&effects::ACTUATOR_GAIN),
+    phenomena: &[&phenomena::SENSOR_SCALE],
     parameters: &[
         Quantity::new("gain", "1", "Reading per position").start(1.0).fitted(),
         Quantity::new("offset", "{position}", "Reading at position 0").start(0.0).fitted(),

@@ -7,10 +7,10 @@
 
 use model::{Declaration, Quantity, Stage, Violation};
 
-use crate::effects;
 use crate::linear::SecondOrder;
 use crate::low_pass::LowPass;
 use crate::rules::{WRONG_LENGTH, second_order};
+use crate::{effects, phenomena};
 
 /// The component `sensor-second-order`.
 pub static SENSOR_SECOND_ORDER: LowPass =
@@ -24,6 +24,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "A. J. Fleming, Sensors and Actuators A 190 (2013) 106-126",
     stage: Stage::Sensor,
     effect: Some(&effects::SENSOR_BANDWIDTH),
+    phenomena: &[&phenomena::SENSOR_BANDWIDTH],
     parameters: &[
         Quantity::new("frequency", "Hz", "Natural frequency").min(0.0).fitted(),
         Quantity::new("damping", "1", "Damping ratio; 0.707 is flat")

@@ -15,10 +15,10 @@
 use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
 use super::delay::{Ring, ring_size};
-use crate::effects;
 use crate::hysteresis::play::between;
 use crate::random::normal;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `clock-offset`.
 pub struct ClockOffset;
@@ -31,6 +31,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "IEEE Std 1241, Terminology and Test Methods for Analog-to-Digital Converters",
     stage: Stage::Timing,
     effect: Some(&effects::CLOCK_OFFSET),
+    phenomena: &[&phenomena::CLOCK_OFFSET],
     structure: &[Structural::real("longest", "s", "Longest delay", 0.01, 0.0, 10.0)],
     parameters: &[
         Quantity::new("initial", "s", "Delay at the start").start(0.0).min(0.0).at_most(0).fitted(),

@@ -9,8 +9,8 @@
 
 use model::{Declaration, Quantity, Stage};
 
-use crate::effects;
 use crate::quantiser::Quantiser;
+use crate::{effects, phenomena};
 
 /// The component `dac-quantisation`.
 pub static DAC_QUANTISATION: Quantiser = Quantiser { declaration: &DECLARATION };
@@ -23,6 +23,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "B. Widrow, I. Kollar, Quantization Noise, Cambridge University Press 2008",
     stage: Stage::Timing,
     effect: Some(&effects::DAC_QUANTISATION),
+    phenomena: &[&phenomena::COMMAND_QUANTISATION],
     parameters: &[Quantity::new(
         "resolution",
         "{command}",

@@ -15,8 +15,8 @@
 use libm::{ceil, floor, round};
 use model::{Component, Declaration, Quantity, Sizes, Stage, Structural, Tick, Violation};
 
-use crate::effects;
 use crate::rules::{WRONG_LENGTH, require};
+use crate::{effects, phenomena};
 
 /// The component `delay`.
 pub struct Delay;
@@ -29,6 +29,7 @@ static DECLARATION: Declaration = Declaration {
     reference: "K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, 3rd ed. 1997, ch. 2",
     stage: Stage::Timing,
     effect: Some(&effects::DELAY),
+    phenomena: &[&phenomena::TRANSPORT_DELAY, &phenomena::ELLIPSE_ERROR],
     structure: &[Structural::real(
         "longest",
         "s",
