@@ -25,18 +25,28 @@ pub(crate) struct BeliefContext<'a> {
     pub(crate) fine: f64,
     /// What is left and follows from the command, in powers of the noise: it is no noise.
     pub(crate) caused: f64,
+    /// Power of the noise over that by which residuals are measured.
+    pub(crate) noise: f64,
 }
 
 impl<'a> BeliefContext<'a> {
     /// With this re-tuned model.
     pub(crate) fn new(library: &'a [Family], base: &Candidate, adequate: f64, fine: f64) -> Self {
         let base_excess = (base.judged.held_out - 1.0).max(0.0);
-        Self { library, base_excess, adequate, fine, caused: 0.0 }
+        Self { library, base_excess, adequate, fine, caused: 0.0, noise: 1.0 }
+    }
+
+    /// With what a name leaves: what does not follow from the command and is as large in fitted as in held-out rows is noise,
+    /// within what is not known of its size.
+    pub(crate) fn with_left(self, by: &Candidate, caused: Option<f64>) -> Self {
+        let Some(caused) = caused else { return self };
+        let more = by.training.min(by.judged.held_out) - caused - 1.0;
+        Self { caused, noise: 1.0 + more.clamp(0.0, (self.adequate - 1.0).max(0.0)), ..self }
     }
 
     /// How far a mean square is above the noise, and what the noise and the user let nobody see.
     fn over(&self, left: f64) -> f64 {
-        (left - 1.0).max(0.0) + Thresholds::UNSEEN + self.fine
+        (left - self.noise).max(0.0) + Thresholds::UNSEEN + self.fine
     }
 }
 

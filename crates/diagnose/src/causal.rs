@@ -24,14 +24,14 @@ use crate::candidate::Candidate;
 use crate::data_set::DataSet;
 use crate::thresholds::belief::Thresholds;
 
-/// The caused part of what the effects of a candidate leave; 0 where it has none.
-pub(crate) fn left_by(candidate: &Candidate, data: &DataSet, sigma: f64) -> f64 {
-    if candidate.picks.is_empty() { 0.0 } else { left(data, &candidate.judged.residual, sigma) }
+/// The caused part of what the effects of a candidate leave; none where it has no effect, or no record is long enough.
+pub(crate) fn left_by(candidate: &Candidate, data: &DataSet, sigma: f64) -> Option<f64> {
+    if candidate.picks.is_empty() { None } else { left(data, &candidate.judged.residual, sigma) }
 }
 
-/// The caused part, the mean of the rows that are fitted and held out, in powers of the noise; 0 where none is seen.
+/// The caused part, in powers of the noise; 0 where none is seen, none where no record is long enough.
 /// `residual` is in standard deviations of the noise, which is `sigma` in SI.
-fn left(data: &DataSet, residual: &[f64], sigma: f64) -> f64 {
+fn left(data: &DataSet, residual: &[f64], sigma: f64) -> Option<f64> {
     let reading: Vec<f64> = data.y.iter().zip(residual).map(|(y, r)| y - sigma * r).collect();
     let signals = Signals { data, span: Span::of(reading.iter().copied()), reading: &reading };
     let zero = || Normal {
@@ -60,7 +60,7 @@ fn left(data: &DataSet, residual: &[f64], sigma: f64) -> f64 {
     });
     let parts = gained.iter().zip(rows).filter(|(_, rows)| *rows > 0.0);
     let parts: Vec<f64> = parts.map(|(gained, rows)| gained / rows).collect();
-    (parts.iter().sum::<f64>() / parts.len().max(1) as f64).max(0.0)
+    (!parts.is_empty()).then(|| (parts.iter().sum::<f64>() / parts.len() as f64).max(0.0))
 }
 
 /// Normal equations of some blocks.
@@ -245,7 +245,7 @@ mod tests {
             RecordRows { name: record.to_string(), y, command: u, ..RecordRows::still(ROWS, 0.7) }
         });
         let data = DataSet::new(records.collect(), &[], None);
-        (left(&data, &residual, 0.01), power)
+        (left(&data, &residual, 0.01).unwrap(), power)
     }
 
     #[test]

@@ -22,8 +22,8 @@ pub(crate) struct Outcome {
     pub(crate) adequate: f64,
     /// What the user calls good enough, in powers of the noise.
     pub(crate) fine: f64,
-    /// What is left and follows from the command, in powers of the noise.
-    pub(crate) caused: f64,
+    /// What is left and follows from the command, in powers of the noise; none where no record is long enough to see it.
+    pub(crate) caused: Option<f64>,
     pub(crate) verdict: Verdict,
     /// The model as given, judged.
     pub(crate) given: Judged,
@@ -131,7 +131,7 @@ impl Outcome {
     /// What beliefs in what was found are formed from.
     pub(crate) fn sight(&self) -> BeliefContext<'_> {
         let sight = BeliefContext::new(&self.library, &self.found.base, self.adequate, self.fine);
-        BeliefContext { caused: self.caused, ..sight }
+        sight.with_left(&self.found.last, self.caused)
     }
 
     /// Mean square in SI that [`Self::best`] leaves, on fitted and held-out rows alike.

@@ -39,7 +39,7 @@ fn looked(family: usize, best: Option<Candidate>) -> RankedFamily {
 
 /// A large gap of the re-tuned model, of which nothing need be left.
 fn sight(library: &[Family]) -> BeliefContext<'_> {
-    BeliefContext { library, base_excess: 10.0, adequate: 1.1, fine: 0.0, caused: 0.0 }
+    BeliefContext { library, base_excess: 10.0, adequate: 1.1, fine: 0.0, caused: 0.0, noise: 1.0 }
 }
 
 /// Families of no group.
@@ -94,6 +94,29 @@ fn a_rival_that_leaves_twice_as_much_has_a_64th_of_the_odds() {
     // Four times as much: 0.39.
     let farther = looked(1, Some(candidate((0.39, 0.39), 1e3, 1)));
     close(odds(&all(&[near, farther]), 1, 0), 1.0 / 4096.0);
+}
+
+#[test]
+fn what_the_command_does_not_cause_is_noise_where_all_rows_have_it() {
+    let library = ungrouped();
+    let best = candidate((0.07, 0.11), 0.0, 1);
+    let odds_of = |caused| {
+        let rivals =
+            [looked(0, Some(best.clone())), looked(1, Some(candidate((0.25, 0.13), 1e3, 1)))];
+        let sight = sight(&library).with_left(&best, caused);
+        let found = beliefs(&sight, &rivals, &best);
+        odds(&found.iter().map(|b| (b.family, b.probability)).collect::<Vec<_>>(), 1, 0)
+    };
+    // 0.02 over the noise and 0.01 unseen: 0.10 more is 13/3 times as much.
+    close(odds_of(Some(0.0)), (3.0_f64 / 13.0).powi(6));
+    // What the command causes is none, nor is anything where nobody knows.
+    close(odds_of(Some(0.09)), 1.0 / 64.0);
+    close(odds_of(None), 1.0 / 64.0);
+    // Not more than fitted rows have, and not more than is unknown of the noise: adequate is 1.1.
+    let noise = |left| sight(&library).with_left(&candidate(left, 0.0, 1), Some(0.0)).noise;
+    close(noise((0.0, 1.0)), 1.0);
+    close(noise((1.0, 0.05)), 1.05);
+    close(noise((0.5, 0.5)), 1.1);
 }
 
 #[test]

@@ -261,7 +261,7 @@ impl Search<'_> {
     ) -> Candidate {
         let caused = causal::left_by(&best, self.data, self.sigma);
         loop {
-            let sight = BeliefContext { caused, ..self.sight(base) };
+            let sight = self.sight(base).with_left(&best, caused);
             if best.picks.is_empty() || !self.explains_enough(base, &best) {
                 return base.clone();
             }

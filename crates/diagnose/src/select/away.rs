@@ -76,10 +76,12 @@ impl Search<'_> {
     pub(super) fn resonance_elsewhere(&self, fitted: &mut [Option<Candidate>]) {
         let left = fitted.iter().flatten().map(|c| c.fit.mean_square);
         let least = left.fold(f64::INFINITY, f64::min);
-        // It takes many simulations: where another family leaves so little that it would be named.
-        if least > search::Thresholds::STUCK * self.adequate {
-            return;
-        }
+        // It takes many simulations: where another family leaves so little that it would be named, or far less than the fit.
+        let would_be_named = least <= search::Thresholds::STUCK * self.adequate;
+        let is_far_above = |c: &Candidate| {
+            would_be_named
+                || least < search::Thresholds::RESONANCE_LEFT_BY_OTHERS * c.fit.mean_square
+        };
         let is_resonance = |c: &Candidate| {
             let last = c.picks.last();
             last.is_some_and(|(f, _)| self.library[*f].effect.name == effects::RESONANCE_SHIFT.name)
@@ -87,7 +89,8 @@ impl Search<'_> {
         let mut stuck: Vec<&mut Candidate> = fitted
             .iter_mut()
             .flatten()
-            .filter(|c| is_resonance(c) && self.is_above(c, belief::Thresholds::ALIKE * least))
+            .filter(|c| is_resonance(c) && is_far_above(c))
+            .filter(|c| self.is_above(c, belief::Thresholds::ALIKE * least))
             .collect();
         // Formulas of a resonance differ in what else they fit.
         let starts = stuck.first().map(|c| self.resonance_starts(c)).unwrap_or_default();

@@ -3,6 +3,7 @@
 use super::Search;
 use crate::belief::{self, BeliefContext};
 use crate::candidate::{Candidate, Found, RankedFamily};
+use crate::causal;
 
 impl Search<'_> {
     /// Each effect gives way to the most probable of its rivals beside the others: of those that leave alike the one
@@ -38,7 +39,9 @@ impl Search<'_> {
     pub(crate) fn name_again(&self, found: &mut Found) {
         let last = found.last.clone();
         let before = last.picks.clone();
-        found.last = self.most_probable(&self.sight(&found.base), &mut found.rivals, last);
+        let caused = causal::left_by(&last, self.data, self.sigma);
+        let sight = self.sight(&found.base).with_left(&last, caused);
+        found.last = self.most_probable(&sight, &mut found.rivals, last);
         if found.alone.len() == 1 || found.last.picks != before {
             found.alone = self.alone(&found.base, &found.last);
         }
