@@ -78,9 +78,9 @@ impl Search<'_> {
         let least = left.fold(f64::INFINITY, f64::min);
         // It takes many simulations: where another family leaves so little that it would be named, or far less than the fit.
         let would_be_named = least <= search::Thresholds::STUCK * self.adequate;
-        let is_far_above = |c: &Candidate| {
-            would_be_named
-                || least < search::Thresholds::RESONANCE_LEFT_BY_OTHERS * c.fit.mean_square
+        let times = match would_be_named {
+            true => belief::Thresholds::ALIKE,
+            false => search::Thresholds::RESONANCE_TIMES_OTHERS,
         };
         let is_resonance = |c: &Candidate| {
             let last = c.picks.last();
@@ -89,8 +89,7 @@ impl Search<'_> {
         let mut stuck: Vec<&mut Candidate> = fitted
             .iter_mut()
             .flatten()
-            .filter(|c| is_resonance(c) && is_far_above(c))
-            .filter(|c| self.is_above(c, belief::Thresholds::ALIKE * least))
+            .filter(|c| is_resonance(c) && self.is_above(c, times * least))
             .collect();
         // Formulas of a resonance differ in what else they fit.
         let starts = stuck.first().map(|c| self.resonance_starts(c)).unwrap_or_default();

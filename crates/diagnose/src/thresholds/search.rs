@@ -129,8 +129,8 @@ impl Thresholds {
     pub(crate) const RESONANCE_STEP: f64 = 1.03;
     /// Most that such a place leaves, over what the fit left.
     pub(crate) const RESONANCE_LEFT: f64 = 2.0;
-    /// Part of what the fit of a resonance leaves below which another family's shows that it ended on the way.
-    pub(crate) const RESONANCE_LEFT_BY_OTHERS: f64 = 0.01;
+    /// How many times what another family leaves shows that the fit of a resonance ended on the way.
+    pub(crate) const RESONANCE_TIMES_OTHERS: f64 = 100.0;
     /// Places from which it is fitted.
     pub(crate) const RESONANCE_STARTS: usize = 3;
     /// Error of a fit, over the promised one, above which the fit ended on the way.
