@@ -206,11 +206,17 @@ fn several(count: usize, index: usize, random: &mut Random) -> Vec<Wish> {
 /// # Errors
 /// A family, an effect or a case that there is not, or a count that is none.
 pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> {
-    /// A family, and an effect of it.
-    type Meant<'a> = (&'a str, Option<Effect>);
+    /// Cases of a family, and of an effect of it where one is given.
+    struct Limit<'a> {
+        family: &'a str,
+        effect: Option<Effect>,
+        wanted: Option<usize>,
+        taken: usize,
+    }
     let Some(text) = text else { return Ok(cases) };
     let refuse = |message: String| Error::Selection { text: text.to_owned(), message };
-    let mut limits: Vec<(Option<Meant>, usize)> = Vec::new();
+    let mut limits: Vec<Limit> = Vec::new();
+    let mut total: Option<usize> = None;
     let mut names: Vec<&str> = Vec::new();
     for item in text.split(',').map(str::trim) {
         if cases.iter().any(|case| case.id == item) {
@@ -237,34 +243,45 @@ pub fn select(cases: Vec<Case>, text: Option<&str>) -> Result<Vec<Case>, Error> 
                 })
             };
             let effect = effect.map(known).transpose()?;
-            limits.push((Some((family, effect)), count.map_or(Ok(usize::MAX), number)?));
+            let wanted = count.map(number).transpose()?;
+            limits.push(Limit { family, effect, wanted, taken: 0 });
         } else {
-            limits.push((None, number(item)?));
+            let most = number(item)?;
+            total = Some(total.map_or(most, |total| total.min(most)));
         }
     }
-    let is_choice = !names.is_empty() || limits.iter().any(|(name, _)| name.is_some());
-    let total = limits.iter().filter(|(name, _)| name.is_none()).map(|(_, n)| *n).min();
+    let is_choice = !names.is_empty() || !limits.is_empty();
     if let Some(total) = total.filter(|total| *total > cases.len()) {
         return Err(refuse(format!("there are {} cases, not {total}; ask for fewer", cases.len())));
     }
     let mut kept = Vec::new();
     for case in cases {
-        let is_meant = |meant: &Option<Meant>| {
-            meant.is_some_and(|(family, effect)| {
-                let has = |effect| case.order.effects.iter().any(|wish| wish.effect == effect);
-                family == case.family && effect.is_none_or(has)
-            })
+        let takes = |limit: &&mut Limit| {
+            let has = |effect| case.order.effects.iter().any(|wish| wish.effect == effect);
+            limit.wanted.is_none_or(|wanted| limit.taken < wanted)
+                && limit.family == case.family
+                && limit.effect.is_none_or(has)
         };
         let wanted = names.contains(&case.id.as_str())
-            || match limits.iter_mut().find(|(meant, left)| *left > 0 && is_meant(meant)) {
-                Some((_, left)) => {
-                    *left -= 1;
+            || match limits.iter_mut().find(takes) {
+                Some(limit) => {
+                    limit.taken += 1;
                     true
                 }
                 None => !is_choice,
             };
         if wanted && kept.len() < total.unwrap_or(usize::MAX) {
             kept.push(case);
+        }
+    }
+    // A total takes fewer of a family on purpose.
+    for Limit { family, effect, wanted, taken } in limits {
+        if let Some(wanted) = wanted.filter(|wanted| total.is_none() && taken < *wanted) {
+            let of = effect.map_or_else(String::new, |effect| format!(" with {}", effect.name()));
+            return Err(refuse(format!(
+                "there are {taken} cases of {family}{of}, not {wanted}; ask for fewer, and for others with \
+                 another --seed"
+            )));
         }
     }
     Ok(kept)
@@ -339,6 +356,8 @@ mod tests {
         let message = count("pears").unwrap_err().to_string();
         assert!(message.contains("pears") && message.contains("wrong-hysteresis"), "{message}");
         assert!(count("pair:x").is_err());
+        let message = count("pair:20,long:30").unwrap_err().to_string();
+        assert!(message.contains("4 cases of long, not 30"), "{message}");
         assert_eq!(count("single/creep:6,pair:2").unwrap(), 8);
         let last = FULL.cases().last().map(|case| case.id.clone()).unwrap();
         assert_eq!(select(FULL.cases(), Some(&last)).unwrap()[0].id, last);
