@@ -1,4 +1,4 @@
-//! Time of one step: plays, their inverse, Preisach in constant time and relay by relay.
+//! Time of one step: plays, their inverse, modes under a force, Preisach in constant time and relay by relay.
 //!
 //! Each sample runs 1000 steps over a sine with a slow change of amplitude (minor loops), or over
 //! white noise; divan's item throughput is steps per second.
@@ -89,6 +89,19 @@ fn inverse_rate_dependent_play_10(bencher: Bencher<'_, '_>) {
 fn bouc_wen(bencher: Bencher<'_, '_>) {
     let p = [0.06, 0.2, 0.02, 0.01, 0.0, 1.0, 0.0];
     run(bencher, Instance::new("bouc-wen", &[], &p), sine());
+}
+
+/// A mode that hardens by 5 % over the range, 250, 50 and 25 steps per period.
+#[divan::bench(args = [200.0, 1000.0, 2000.0])]
+fn duffing(bencher: Bencher<'_, '_>, frequency: f64) {
+    run(bencher, Instance::new("duffing", &[], &[frequency, 0.02, 0.05, 120.0]), sine());
+}
+
+/// Damping that grows with the speed, without Coulomb friction.
+#[divan::bench]
+fn nonlinear_damping(bencher: Bencher<'_, '_>) {
+    let p = [1000.0, 0.02, 0.0, 1.0, 1e-8];
+    run(bencher, Instance::new("nonlinear-damping", &[], &p), sine());
 }
 
 const LEVELS: usize = 120;

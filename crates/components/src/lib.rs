@@ -16,6 +16,7 @@ pub mod coupling;
 pub mod creep;
 pub mod effects;
 pub mod environment;
+pub mod forced;
 pub mod hysteresis;
 pub mod linear;
 pub mod mechanics;

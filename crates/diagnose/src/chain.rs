@@ -10,9 +10,10 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use components::forced::ForcedMode;
 use model::ComponentRef;
 pub(crate) use surround::Force;
-use surround::{Block, ForcedMode, Signals};
+use surround::{Block, Signals, forced_mode, forced_rest};
 
 pub(crate) use self::joint::{Front, FurtherMode, Joint, OtherWay};
 use crate::black_box::BlackBox;
@@ -365,7 +366,7 @@ pub(crate) fn forced(
         return Err(Failed);
     }
     let kinds = forces.iter().map(surround::Acting::force);
-    let forced = ForcedMode::new((frequency, damping), kinds, step);
+    let forced = forced_mode((frequency, damping), kinds, step);
     if let &[force] = forces {
         let mut slide = 0.0;
         under(&forced, (gain, u), |at, goes_on| force.pull(at, &mut slide, goes_on), out);
@@ -389,7 +390,7 @@ fn under(
     out: &mut [f64],
 ) {
     let Some(first) = u.first() else { return };
-    let rest = ForcedMode::rest(gain * first, |at| pull(at, true));
+    let rest = forced_rest(gain * first, |at| pull(at, true));
     let mut state = [rest, 0.0, rest];
     for (n, (y, u)) in out.iter_mut().zip(u).enumerate() {
         *y = if n > 0 { mode.step(gain * u, &mut state, &mut pull) } else { rest };

@@ -35,7 +35,7 @@ pub use block::Block;
 pub use kernel::{Count, Kernel, Signals, Stepped, Wires, WrongCount, exactly};
 pub use linear::time_of;
 pub use map::code;
-pub use mechanics::{Acting, Force, ForcedMode};
+pub use mechanics::{Acting, Force, forced_mode, forced_rest};
 pub use operator::Operator;
 pub use port_variable::PortVariable;
 pub use rated::Growth;

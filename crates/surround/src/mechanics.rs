@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use components::linear::Transition;
+use components::forced::{ForcedMode, SMOOTH};
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::{Step, Wires, WrongCount, exactly};
@@ -38,13 +38,11 @@ impl Force {
     }
 
     /// Parts of a step of this angle of the mode, in rad: friction turns quickly.
-    fn parts(self, angle: f64) -> u8 {
-        /// Greatest angle of a part with a smooth force.
-        const SMOOTH: f64 = 0.4;
+    fn parts(self, angle: f64) -> f64 {
         /// Greatest angle of a part with friction.
         const FRICTION: f64 = 0.25;
         let (greatest, most) = if self.is_smooth() { (SMOOTH, 64.0) } else { (FRICTION, 3.0) };
-        (angle / greatest).ceil().clamp(1.0, most) as u8
+        (angle / greatest).ceil().clamp(1.0, most)
     }
 
     /// Whether it is a polynomial of where the mode is and how fast it moves, nearly: then a rule of fourth order
@@ -166,97 +164,26 @@ fn tanh(x: f64) -> f64 {
     ((1.0 - decay) / (1.0 + decay)).copysign(x)
 }
 
-/// A unit-gain mode with forces on it, which act as a part of the input. Friction is taken at the middle of each
-/// part of a step (exponential midpoint rule): at its begin it would come late. Where all forces are smooth, what they
-/// change within a part goes into the exact motion by the rule of Runge and Kutta, which is of fourth order (J. D.
-/// Lawson, SIAM J. Numer. Anal. 4 (1967) 372–380): a mode is known to 1e-4 and better, and the error of a rule of second
-/// order looks like a damping. For both: M. Hochbruck, A. Ostermann, Acta Numerica 19 (2010) 209–286.
-#[derive(Clone, Copy, Debug)]
-pub struct ForcedMode {
-    parts: u8,
-    /// Angle of the mode in a part, in rad, where all forces are smooth.
-    smooth: Option<f64>,
-    full: Transition,
-    half: Transition,
+/// A mode with forces of these kinds on it, for steps of `dt` seconds; the frequency is in Hz.
+#[must_use]
+pub fn forced_mode(
+    (frequency, damping): (f64, f64),
+    forces: impl IntoIterator<Item = Force>,
+    dt: f64,
+) -> ForcedMode {
+    let angle = TAU * frequency * dt;
+    let (mut parts, mut is_smooth) = (1.0, true);
+    for force in forces {
+        parts = force.parts(angle).max(parts);
+        is_smooth &= force.is_smooth();
+    }
+    ForcedMode::new(frequency, damping, dt, parts, is_smooth)
 }
 
-impl ForcedMode {
-    /// For steps of `dt` seconds under forces of these kinds; the frequency is in Hz.
-    #[must_use]
-    pub fn new(
-        (frequency, damping): (f64, f64),
-        forces: impl IntoIterator<Item = Force>,
-        dt: f64,
-    ) -> Self {
-        let angle = TAU * frequency * dt;
-        let (mut parts, mut is_smooth) = (1, true);
-        for force in forces {
-            parts = force.parts(angle).max(parts);
-            is_smooth &= force.is_smooth();
-        }
-        let part = dt / f64::from(parts);
-        let half = Transition::new(frequency, damping, 0.5 * part);
-        let smooth = is_smooth.then_some(angle / f64::from(parts));
-        Self { parts, smooth, full: Transition::new(frequency, damping, part), half }
-    }
-
-    /// Where the mode rests under the input u: the equilibrium by fixed-point steps, where `pull` is what
-    /// the forces are at a position, the way since the last one, and the rate over the natural frequency.
-    pub fn rest(u: f64, mut pull: impl FnMut((f64, f64, f64)) -> f64) -> f64 {
-        (0..50).fold(u, |x, _| u - pull((x, 0.0, 0.0)))
-    }
-
-    /// Goes on by a step under the input `u` that is held, and returns the position. State: position, rate
-    /// over the natural frequency, position before. `pull` is the sum of the forces as in [`Self::rest`],
-    /// and whether their own states go on with it.
-    pub fn step(
-        &self,
-        u: f64,
-        z: &mut [f64; 3],
-        mut pull: impl FnMut((f64, f64, f64), bool) -> f64,
-    ) -> f64 {
-        let [position, rate, before] = z;
-        for _ in 0..self.parts {
-            if let Some(angle) = self.smooth {
-                *before = *position;
-                (*position, *rate) = self.smoothly(u, angle, (*position, *rate), &mut pull);
-                continue;
-            }
-            let target = u - pull((*position, *position - *before, *rate), true);
-            let (e, r) = self.half.apply(*position - target, *rate);
-            // A friction's own state goes on with the position that comes out, not with this guess.
-            let target = u - pull((target + e, target + e - *position, r), false);
-            *before = *position;
-            let (e, r) = self.full.apply(*position - target, *rate);
-            (*position, *rate) = (target + e, r);
-        }
-        *position
-    }
-
-    /// Position and rate after a part, of this angle, in which the forces change smoothly. A rest stays one: what
-    /// they are at its begin is part of the exact motion.
-    #[inline]
-    fn smoothly(
-        &self,
-        u: f64,
-        angle: f64,
-        (position, rate): (f64, f64),
-        mut pull: impl FnMut((f64, f64, f64), bool) -> f64,
-    ) -> (f64, f64) {
-        let first = pull((position, 0.0, rate), true);
-        let target = u - first;
-        // The kick of what the forces have changed since the begin.
-        let mut kick = |e: f64, r: f64| angle * (first - pull((target + e, 0.0, r), false));
-        let (half, full) = (self.half, self.full);
-        let (e, r) = half.apply(position - target, rate);
-        let second = kick(e, r);
-        let third = kick(e, r + 0.5 * second);
-        let (e, r) = full.apply(position - target, rate);
-        let (late, turned) = half.apply(0.0, third);
-        let fourth = kick(e + late, r + turned);
-        let (late, turned) = half.apply(0.0, second + third);
-        (target + e + late / 3.0, r + turned / 3.0 + fourth / 6.0)
-    }
+/// Where a forced mode rests under the input u: the equilibrium by fixed-point steps, where `pull` is what the
+/// forces are at a position, the way since the last one, and the rate over the natural frequency.
+pub fn forced_rest(u: f64, mut pull: impl FnMut((f64, f64, f64)) -> f64) -> f64 {
+    (0..50).fold(u, |x, _| u - pull((x, 0.0, 0.0)))
 }
 
 /// A mode of unit gain with one force on it. State: that of [`ForcedMode`], and the slide of a friction.
@@ -270,19 +197,19 @@ pub(crate) struct Forced {
 
 impl Forced {
     pub(crate) fn new(frequency: f64, damping: f64, force: Acting) -> Self {
-        let mode = ForcedMode::new((frequency, damping), [force.force], 0.0);
+        let mode = forced_mode((frequency, damping), [force.force], 0.0);
         Self { frequency, damping, force, mode }
     }
 }
 
 impl Step<4> for Forced {
     fn set_step(&mut self, dt: f64) {
-        self.mode = ForcedMode::new((self.frequency, self.damping), [self.force.force], dt);
+        self.mode = forced_mode((self.frequency, self.damping), [self.force.force], dt);
     }
 
     fn rest(&self, w: Wires) -> ([f64; 4], f64) {
         let mut slide = 0.0;
-        let rest = ForcedMode::rest(w.x, |at| self.force.pull(at, &mut slide, true));
+        let rest = forced_rest(w.x, |at| self.force.pull(at, &mut slide, true));
         ([rest, 0.0, rest, slide], rest)
     }
 
@@ -337,7 +264,7 @@ mod tests {
     #[test]
     fn a_spring_that_bends_keeps_the_energy_of_its_oscillation() {
         for (force, p) in [(Force::Cubic, &[0.3][..]), (Force::Uneven, &[-0.2, 0.2])] {
-            let mode = ForcedMode::new(MODE, [force], ROW);
+            let mode = forced_mode(MODE, [force], ROW);
             let (square, cubic) = if p.len() == 1 { (0.0, p[0]) } else { (p[0], p[1]) };
             let energy = |z: &[f64; 3]| {
                 let (x, rate) = (z[0], z[1]);
@@ -369,7 +296,7 @@ mod tests {
             (Force::BoucWen, &[0.4, 1.2, -1.4, -0.6], 0.01),
         ] {
             let run = |force: Force, p: &[f64], parts: usize| {
-                let mode = ForcedMode::new((400.0, 0.02), [force], ROW / parts as f64);
+                let mode = forced_mode((400.0, 0.02), [force], ROW / parts as f64);
                 let mut state = ([0.0; 3], 0.0);
                 let rows = (0..300).map(|n| if n % 60 < 30 { 0.5 } else { -0.2 });
                 let row = |u| (0..parts).map(|_| step(&mode, (force, p), u, &mut state)).last();
@@ -384,6 +311,54 @@ mod tests {
             let part = rms(&complete, &fine) / effect;
             assert!(part < bound, "{force:?} {p:?}: {part} of what the force does");
         }
+    }
+
+    /// Positions under these commands, from rest at zero.
+    fn positions(force: Force, p: &[f64], far: f64, commands: &[f64]) -> Vec<f64> {
+        let mode = forced_mode((400.0, 0.02), [force], ROW);
+        let (force, mut z, mut slide) = (force.acting(p, far).unwrap(), [0.0; 3], 0.0);
+        let mut row = |u: &f64| mode.step(*u, &mut z, |at, on| force.pull(at, &mut slide, on));
+        commands.iter().map(&mut row).collect()
+    }
+
+    /// The same of a component, of a mode of 400 Hz with a damping of 0.02.
+    fn component(kind: &str, rest: &[f64], commands: &[f64]) -> Vec<f64> {
+        let component = components::find(kind).unwrap();
+        let (sizes, mut y) = (component.sizes(&[], ROW), [0.0]);
+        let (mut k, mut z) = (vec![0.0; sizes.coefficients], vec![0.0; sizes.states]);
+        component.prepare(&[], &[&[400.0, 0.02], rest].concat(), ROW, &mut k).unwrap();
+        component.rest(&k, &[0.0], &mut z, &mut y);
+        let tick = |n: usize| model::Tick { index: n as u64, time: n as f64 * ROW, period: ROW };
+        let mut row = |(n, u): (usize, &f64)| {
+            component.step(&k, &mut z, tick(n), &[*u], &mut y);
+            y[0]
+        };
+        commands.iter().enumerate().map(&mut row).collect()
+    }
+
+    /// What a diagnosis finds and what it writes into a blueprint: the same numbers.
+    #[test]
+    fn a_force_is_the_component_that_a_blueprint_gets() {
+        let far = 1.7;
+        let commands: Vec<f64> =
+            (0..600).map(|n| 0.8 * (0.05 * f64::from(n)).sin() - 0.5 * f64::from(n % 3)).collect();
+        let cubic = positions(Force::Cubic, &[0.04], far, &commands);
+        assert_eq!(cubic, component("duffing", &[0.04, far], &commands));
+        for [square, cubic] in [[0.1, 0.2], [-0.15, 0.1], [0.0, -0.1]] {
+            let own = positions(Force::Uneven, &[square, cubic], far, &commands);
+            let written = component("position-stiffness", &[square, cubic, 0.0, far], &commands);
+            assert_eq!(own, written, "{square} {cubic}");
+        }
+        // The component holds back a speed that is braked by much of itself in a part.
+        let own = positions(Force::SpeedDamping, &[0.2], far, &commands);
+        let growth = 0.5 * 0.2 / (TAU * 400.0 * far);
+        let written = component("nonlinear-damping", &[0.0, 1.0, growth], &commands);
+        let plain = positions(Force::Cubic, &[0.0], far, &commands);
+        let rms = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+        };
+        let part = rms(&own, &written) / rms(&own, &plain);
+        assert!(part < 5e-3, "{part} of what the damping does");
     }
 
     /// Without a shape Bouc-Wen's law is Dahl's: `stiffness·distance` is the size of the friction.
@@ -419,8 +394,8 @@ mod tests {
         let spring = Force::Uneven.acting(&[0.1, 0.3], 2.0).unwrap();
         let damper = Force::SpeedDamping.acting(&[0.4], 2.0).unwrap();
         let pull = |at| spring.pull(at, &mut 0.0, true) + damper.pull(at, &mut 0.0, true);
-        let mode = ForcedMode::new((400.0, 0.1), [Force::Uneven, Force::SpeedDamping], ROW);
-        let x = ForcedMode::rest(1.5, pull);
+        let mode = forced_mode((400.0, 0.1), [Force::Uneven, Force::SpeedDamping], ROW);
+        let x = forced_rest(1.5, pull);
         let mut z = [x, 0.0, x];
         for _ in 0..100 {
             assert!((mode.step(1.5, &mut z, |at, _| pull(at)) - x).abs() < 1e-12);

@@ -13,7 +13,6 @@ mod mode;
 mod mode_pair;
 mod nonlinear_damping;
 mod position_stiffness;
-mod substeps;
 mod vibration;
 
 pub use arx::Arx;

@@ -11,18 +11,18 @@
 //! * A working point has its own resonance, √s times that at the centre, and its own gain, 1/s. The
 //!   cubic stiffness of `duffing` depends on the deflection from zero; this one on where the stage
 //!   stands.
-//! * State: x and x′/ω. Each period is cut into sub-steps of at most 0.05 rad of the stiffest
-//!   motion; in each the linear part is exact and the rest of the force is taken at its middle.
+//! * State: x and x′/ω. Each period is cut into parts of at most 0.4 rad, or 0.6 rad of the stiffest motion; in
+//!   each the linear part is exact and the rest of the force is integrated by a rule of fourth order
+//!   ([`ForcedMode`]).
 //!
-//! Limits: the force must rise with the position; at most 10 000 sub-steps per period.
+//! Limits: the force must rise with the position; at most 10 000 parts per period.
 //!
-//! Source: S. Henein, Conception des guidages flexibles, PPUR 2001; M. Hochbruck, A. Ostermann,
-//! Acta Numerica 19 (2010) 209–286 (the rule).
+//! Source: S. Henein, Conception des guidages flexibles, PPUR 2001.
 
 use libm::{fmax, fmin, sqrt};
 use model::{Component, Declaration, Quantity, Role, Sizes, Stage, Tick, Violation};
 
-use super::substeps::SubSteps;
+use crate::forced::ForcedMode;
 use crate::hysteresis::play::between;
 use crate::rules::{WRONG_LENGTH, require, second_order};
 use crate::solve::newton;
@@ -74,11 +74,24 @@ struct Law {
 }
 
 impl Law {
+    /// The place ξ of a position, if the range had no ends, and in the range.
+    #[inline]
+    fn place(&self, x: f64) -> [f64; 2] {
+        let free = (x - self.centre) / self.half;
+        [free, between(-1.0, 1.0, free)]
+    }
+
+    /// The part of the force beyond the linear one, over the stiffness at the centre: (s − 1)·x.
+    #[inline]
+    fn beyond(&self, x: f64) -> f64 {
+        let [_, xi] = self.place(x);
+        x * (self.linear * xi + self.quadratic * xi * xi)
+    }
+
     /// s and its slope over the position.
     #[inline]
     fn stiffness(&self, x: f64) -> [f64; 2] {
-        let free = (x - self.centre) / self.half;
-        let xi = between(-1.0, 1.0, free);
+        let [free, xi] = self.place(x);
         let slope = (self.linear + 2.0 * self.quadratic * xi) / self.half;
         let s = 1.0 + xi * (self.linear + self.quadratic * xi);
         [s, if xi == free { slope } else { 0.0 }]
@@ -112,13 +125,13 @@ impl Law {
     }
 }
 
-/// `sub-steps | linear | quadratic | centre | half range`.
+/// `forced mode | linear | quadratic | centre | half range`.
 #[inline]
-fn split(coefficients: &[f64]) -> Option<(SubSteps, Law)> {
-    let (&steps, &[linear, quadratic, centre, half]) = coefficients.split_first_chunk()? else {
+fn split(coefficients: &[f64]) -> Option<(ForcedMode, Law)> {
+    let (&mode, &[linear, quadratic, centre, half]) = coefficients.split_first_chunk()? else {
         return None;
     };
-    Some((SubSteps::of(steps), Law { linear, quadratic, centre, half }))
+    Some((ForcedMode::of(mode), Law { linear, quadratic, centre, half }))
 }
 
 impl Component for PositionStiffness {
@@ -127,7 +140,7 @@ impl Component for PositionStiffness {
     }
 
     fn sizes(&self, _structure: &[f64], _period: f64) -> Sizes {
-        Sizes { coefficients: SubSteps::COEFFICIENTS + 4, states: 2 }
+        Sizes { coefficients: ForcedMode::COEFFICIENTS + 4, states: 2 }
     }
 
     fn prepare(
@@ -137,7 +150,7 @@ impl Component for PositionStiffness {
         period: f64,
         coefficients: &mut [f64],
     ) -> Result<(), Violation> {
-        let (&[frequency, damping, linear, quadratic, centre, half], Some((steps, law))) =
+        let (&[frequency, damping, linear, quadratic, centre, half], Some((mode, law))) =
             (parameters, coefficients.split_first_chunk_mut())
         else {
             return Err(WRONG_LENGTH);
@@ -153,7 +166,7 @@ impl Component for PositionStiffness {
              several positions; give smaller `linear` and `quadratic`",
         )?;
         let law: &mut [f64; 4] = law.try_into().map_err(|_| WRONG_LENGTH)?;
-        *steps = SubSteps::new(frequency, damping, sqrt(fmax(most, 1.0)), period)?.to_array();
+        *mode = ForcedMode::smooth(frequency, damping, period, sqrt(most))?.to_array();
         *law = [linear, quadratic, centre, half];
         Ok(())
     }
@@ -175,12 +188,12 @@ impl Component for PositionStiffness {
         inputs: &[f64],
         outputs: &mut [f64],
     ) {
-        let (Some((steps, law)), &[u], Ok(state), [y]) =
+        let (Some((mode, law)), &[u], Ok(state), [y]) =
             (split(coefficients), inputs, state.try_into(), outputs)
         else {
             return;
         };
-        *y = steps.advance(u, state, |x, _| (law.stiffness(x)[0] - 1.0) * x);
+        *y = mode.advance(u, state, |x, _| law.beyond(x));
     }
 }
 

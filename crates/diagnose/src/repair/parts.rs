@@ -43,7 +43,8 @@ pub(super) fn forced(
     match (force, p) {
         // The component hardens about zero, with a static gain of 1.
         (Force::Cubic, &[cubic]) if cubic >= 0.0 && centre.abs() < 0.1 * half && gain == 1.0 => {
-            Some(new(Extension::Hardening)?.value("hardening", cubic).value("reference", half / y))
+            let far = (centre.abs() + half) / y;
+            Some(new(Extension::Hardening)?.value("hardening", cubic).value("reference", far))
         }
         (Force::Cubic, &[cubic]) if gain == 1.0 => stiffness(0.0, cubic),
         (Force::Uneven, &[square, cubic]) if gain == 1.0 => stiffness(square, cubic),
