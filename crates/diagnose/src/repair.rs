@@ -220,7 +220,7 @@ fn write(
         if old.kind != given.components.get(place)?.kind {
             return None;
         }
-        let component = parts::forced(o, force, values, old)?.note(&note);
+        let component = parts::forced(o.task.factor, force, values, old)?.note(&note);
         return Some(vec![Change::Replace { place, component }]);
     }
     let mut all = Vec::new();

@@ -15,8 +15,6 @@ const DAMPING: f64 = 0.05;
 const GAIN: f64 = 1.02;
 /// x″ + 2ζω x′ + ω²·x·(1 + CUBIC·x²) = ω²·GAIN·u.
 const CUBIC: f64 = 0.08;
-/// Mean of the command: the range's middle is off the place where the spring is straight.
-const MEAN: f64 = 0.15;
 const SIGMA: f64 = 1e-3;
 const SEED: u64 = 77;
 
@@ -31,10 +29,10 @@ fn log(name: &str, seed: u64, (skipped, rows): (usize, usize)) -> Log {
         if k % 4 == 0 {
             u = if k < (skipped / 2).max(100) { 0.0 } else { 0.7 * u + 0.4 * random.draw() };
         }
-        command.push(MEAN + u);
+        command.push(u);
         position.push(x + SIGMA * random.draw());
         let force = |x: f64, v: f64| {
-            omega * omega * (GAIN * (MEAN + u) - x * (1.0 + CUBIC * x * x)) - 2.0 * DAMPING * omega * v
+            omega * omega * (GAIN * u - x * (1.0 + CUBIC * x * x)) - 2.0 * DAMPING * omega * v
         };
         for _ in 0..parts {
             // Störmer and Verlet, with the damping at the middle.

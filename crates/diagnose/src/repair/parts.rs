@@ -12,15 +12,14 @@ use crate::chain::Force;
 use crate::library::Piece;
 use crate::outcome::Outcome;
 
-/// A mode with another force, where a component has it.
+/// A mode with another force, where a component has it; a unit of its position is `y` m.
 pub(super) fn forced(
-    o: &Outcome,
+    y: f64,
     (force, centre, half): (Force, f64, f64),
     p: &[f64],
     mode: &ComponentBlueprint,
 ) -> Option<ComponentBlueprint> {
     let gain = mode.get("gain").and_then(number).unwrap_or(1.0);
-    let y = o.task.factor;
     let new = |by: Extension| {
         let kind = components::find(&mode.kind)?.extended(by)?.declaration().kind;
         let mut component = ComponentBlueprint::new(kind);
@@ -188,4 +187,26 @@ fn creep(block: &Block, p: &[f64]) -> Option<ComponentBlueprint> {
             .value("share", share)
             .value("time_constant", time),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The stiffness over that at zero grows by 10 % to the far end of the range, whose middle is off zero.
+    #[test]
+    fn a_spring_is_written_with_the_range_that_it_was_found_with() {
+        let mode = ComponentBlueprint::new("mode").value("frequency", 100.0).value("damping", 0.01);
+        for force in [(Force::Cubic, 0.08e-6, 1e-6), (Force::Cubic, 0.5e-6, 1e-6)] {
+            let written = forced(1e-6, force, &[0.1], &mode).expect("a component has it");
+            let of = |name| written.get(name).and_then(number);
+            let growth = of("hardening").or_else(|| of("quadratic")).expect("a growth");
+            let range = of("reference").or_else(|| of("half_range")).expect("a range");
+            let far = 1.0 + force.1 / 1e-6;
+            assert!(
+                (growth / (range * range) / (0.1 / (far * far)) - 1.0).abs() < 1e-12,
+                "{written:?}"
+            );
+        }
+    }
 }
