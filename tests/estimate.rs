@@ -98,7 +98,7 @@ fn value(answer: &Value, name: &str) -> f64 {
 fn a_known_truth_is_found_from_several_logs_and_judged_on_another() {
     let Some(folder) = prepared() else { return };
     let at = folder.path();
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     for (name, phase, noise) in
         [("a.csv", 0, [0.0; 2]), ("b.csv", 2, [0.0; 2]), ("c.csv", 3, [0.0; 2])]
     {
@@ -151,7 +151,7 @@ fn a_known_truth_is_found_from_several_logs_and_judged_on_another() {
 fn every_record_has_initial_values_of_its_own() {
     let Some(folder) = prepared() else { return };
     let at = folder.path();
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     for (name, begin, phase) in [("a.csv", 0.7, 0), ("b.csv", -0.4, 2), ("c.csv", 1.1, 3)] {
         log_from(&at.join(name), begin, phase, [0.0; 2], &mut random);
     }
@@ -211,7 +211,7 @@ fn every_record_has_initial_values_of_its_own() {
 fn an_fmu_begins_with_what_was_found() {
     let Some(folder) = prepared() else { return };
     let at = folder.path();
-    let mut random = Random(13);
+    let mut random = Random::new(13);
     log(&at.join("a.csv"), 0, [0.0; 2], &mut random);
     log(&at.join("c.csv"), 3, [0.0; 2], &mut random);
     let b = TRUTH.0 / 2.0;
@@ -257,7 +257,7 @@ fn the_truth_lies_in_19_of_20_intervals_also_of_two_outputs_of_different_noise()
     let Some(folder) = prepared() else { return };
     let at = folder.path();
     let seed = 20_261_125;
-    let (mut random, mut inside, draws) = (Random(seed), 0, 200);
+    let (mut random, mut inside, draws) = (Random::new(seed), 0, 200);
     for _ in 0..draws {
         log(&at.join("a.csv"), 0, [0.05, 0.5], &mut random);
         let answer = json(
@@ -282,7 +282,7 @@ fn the_truth_lies_in_19_of_20_intervals_also_of_two_outputs_of_different_noise()
 fn what_the_logs_do_not_determine_is_named() {
     let Some(folder) = prepared() else { return };
     let at = folder.path();
-    log(&at.join("a.csv"), 0, [0.01, 0.01], &mut Random(5));
+    log(&at.join("a.csv"), 0, [0.01, 0.01], &mut Random::new(5));
     let answer = json(
         &[
             "estimate", "lag.fmu", "--log", "a.csv", "--tune", "a=1", "--tune", "b=2", "--tune",
@@ -305,7 +305,7 @@ fn what_the_logs_do_not_determine_is_named() {
 fn what_is_asked_wrongly_is_refused_with_the_way_out() {
     let Some(folder) = prepared() else { return };
     let at = folder.path();
-    log(&at.join("a.csv"), 0, [0.0; 2], &mut Random(5));
+    log(&at.join("a.csv"), 0, [0.0; 2], &mut Random::new(5));
     fs::write(at.join("other.csv"), "time,u,w\n0,1,1\n1,1,1\n").expect("writable");
     for (log, tune, words) in [
         ("a.csv", "mass=1", "has no variable `mass`"),

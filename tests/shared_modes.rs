@@ -159,7 +159,7 @@ fn is_named_once(
 ) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    let mut random = Random(SEED ^ axes as u64);
+    let mut random = Random::new(SEED ^ axes as u64);
     let mut all = modes(axes, &mut random);
     fs::write(path.join("model.toml"), blueprint(axes, &all)).expect("the folder is writable");
     change(&mut all, &mut random);
@@ -262,7 +262,7 @@ fn what_is_missing_in_front_of_the_modes_is_found_in_its_axis() {
     {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path();
-        let mut random = Random(SEED ^ 7);
+        let mut random = Random::new(SEED ^ 7);
         let all = modes(3, &mut random);
         fs::write(path.join("model.toml"), blueprint(3, &all)).expect("the folder is writable");
         let truth = blueprint_with(&components, &all);
@@ -280,7 +280,7 @@ fn what_is_missing_in_front_of_the_modes_is_found_in_its_axis() {
 fn an_output_that_nothing_explains_is_not_hidden_by_what_is_found_in_another() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    let mut random = Random(SEED);
+    let mut random = Random::new(SEED);
     let all = modes(2, &mut random);
     fs::write(path.join("model.toml"), blueprint(2, &all)).expect("the folder is writable");
     fs::write(path.join("truth.toml"), blueprint(2, &all)).expect("the folder is writable");
@@ -321,7 +321,7 @@ fn an_output_that_nothing_explains_is_not_hidden_by_what_is_found_in_another() {
 fn a_blueprint_whose_modes_join_its_axes_is_repaired_as_a_blueprint_or_as_an_fmu() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    let mut random = Random(SEED);
+    let mut random = Random::new(SEED);
     let mut all = modes(2, &mut random);
     let with_tolerance = blueprint(2, &all) + "tolerance = { frequency = 0.02 }\n";
     fs::write(path.join("model.toml"), &with_tolerance).expect("the folder is writable");

@@ -2,15 +2,18 @@
 
 use std::f64::consts::TAU;
 
-/// Xorshift64*: S. Vigna, ACM Trans. Math. Softw. 42 (2016) 30. The state is not 0.
-pub(crate) struct Random(pub(crate) u64);
+use numerics::random::XorshiftStar64;
+
+pub(crate) struct Random(XorshiftStar64);
 
 impl Random {
+    /// From a state that is not 0.
+    pub(crate) fn new(state: u64) -> Self {
+        Self(XorshiftStar64::from_state(state))
+    }
+
     pub(crate) fn uniform(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.uniform()
     }
 
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {

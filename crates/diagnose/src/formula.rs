@@ -276,6 +276,11 @@ impl Formula {
     }
 }
 
+/// Where the position of a range is farthest from zero: forces on a mode are given there.
+pub(crate) fn far_end(centre: f64, half: f64) -> f64 {
+    centre.abs() + half
+}
+
 /// All formulas of one effect.
 #[derive(Clone, Debug)]
 pub(crate) struct Family {

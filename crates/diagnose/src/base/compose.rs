@@ -2,7 +2,7 @@
 
 use super::{Base, BaseParameter};
 use crate::chain::{Acting, Chain, FurtherMode, Node};
-use crate::formula::{Formula, Slot};
+use crate::formula::{Formula, Slot, far_end};
 use crate::parameter::{Link, Parameter};
 use crate::path_block::RecordBlock;
 use crate::thresholds::base::Thresholds;
@@ -183,7 +183,7 @@ impl<'a> Composer<'a> {
         }
         let acting = |(effect, first): (&&Formula, &usize)| {
             let (force, centre, half) = effect.force?;
-            Some(Acting { force, first: *first, far: centre.abs() + half })
+            Some(Acting { force, first: *first, far: far_end(centre, half) })
         };
         let forces: Vec<Acting> = self.effects.iter().zip(&self.first).filter_map(acting).collect();
         match node {

@@ -9,6 +9,7 @@ use surround::{Block, Loss, Stepped};
 use super::number;
 use crate::answer::scale_of;
 use crate::chain::Force;
+use crate::formula::far_end;
 use crate::library::Piece;
 use crate::outcome::Outcome;
 
@@ -29,20 +30,20 @@ pub(super) fn forced(
         }
         Some(component)
     };
-    // The stiffness over that at zero; the range ends where the position is farthest from zero.
+    let far = far_end(centre, half) / y;
+    // The stiffness over that at zero.
     let stiffness = |linear: f64, quadratic: f64| {
         Some(
             new(Extension::PositionStiffness)?
                 .value("linear", linear)
                 .value("quadratic", quadratic)
                 .value("centre", 0.0)
-                .value("half_range", (centre.abs() + half) / y),
+                .value("half_range", far),
         )
     };
     match (force, p) {
         // The component hardens about zero, with a static gain of 1.
         (Force::Cubic, &[cubic]) if cubic >= 0.0 && centre.abs() < 0.1 * half && gain == 1.0 => {
-            let far = (centre.abs() + half) / y;
             Some(new(Extension::Hardening)?.value("hardening", cubic).value("reference", far))
         }
         (Force::Cubic, &[cubic]) if gain == 1.0 => stiffness(0.0, cubic),
@@ -66,7 +67,6 @@ pub(super) fn forced(
         }
         (Force::SpeedDamping, &[ratio]) if gain == 1.0 && ratio >= 0.0 => {
             let omega = TAU * mode.get("frequency").and_then(number)?;
-            let far = (centre.abs() + half) / y;
             Some(new(Extension::NonlinearDamping)?.value("growth", 0.5 * ratio / (omega * far)))
         }
         _ => None,

@@ -13,7 +13,7 @@ use crate::base::compose::GAIN;
 use crate::black_box::inner_step;
 use crate::chain::OWN_COMMAND;
 use crate::error::Error;
-use crate::formula::{Formula, Slot};
+use crate::formula::{Formula, Slot, far_end};
 use crate::left_out::{part_stays_out, stays_out};
 use crate::outcome::Outcome;
 pub use package::Repaired;
@@ -250,7 +250,7 @@ impl<'a> Maker<'a> {
             }
         }
         if let (Some((force, centre, half)), Some((frequency, damping))) = (formula.force, mode) {
-            let far = centre.abs() + half;
+            let far = far_end(centre, half);
             let piece = Piece {
                 side: Side::Output,
                 port: self.port(&o.task.output, false, &o.task.unit)?,
