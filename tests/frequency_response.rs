@@ -5,6 +5,7 @@ use crate::common;
 use std::fs;
 use std::path::Path;
 
+use common::random::Random;
 use common::{json, piezoloop, refuse, succeed};
 
 /// A mode at 200 Hz with damping 0.1, and a sensor that is curved by this part of its half range.
@@ -171,11 +172,8 @@ fn measure_mirror(at: &Path) {
     );
     fs::write(at.join("mirror-truth.toml"), text).expect("a file");
     const PERIOD: usize = 1000;
-    let mut state = 5u64;
-    let mut phase = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        std::f64::consts::TAU * (state >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = Random::new(5);
+    let mut phase = || random.between(0.0, std::f64::consts::TAU);
     let mut multisine = || -> Vec<f64> {
         let phases: Vec<f64> = (1..450).map(|_| phase()).collect();
         let at = |n: usize| {

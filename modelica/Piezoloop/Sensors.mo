@@ -170,10 +170,11 @@ package Sensors "Position sensor and its conditioning"
   block SensorQuantisation "Resolution of the reading's converter"
     extends Interfaces.PositionFilter;
     parameter Real resolution(unit="um", min = 0) "Step of the converter: range over 2^bits";
+    parameter Real phase(unit="1") = 0 "Place of the codes between two multiples of the resolution";
   equation
-    y_um = resolution*Functions.round(u_um/resolution);
+    y_um = resolution*(Functions.round(u_um/resolution - phase) + phase);
     annotation(Icon(graphics={Line(points={{-80,-80},{-80,80}}, color={192,192,192}), Line(points={{-80,-80},{80,-80}}, color={192,192,192}), Line(points={{-80,-70},{-67,-70},{-67,-47},{-40,-47},{-40,-23},{-13,-23},{-13,0},{13,0},{13,23},{40,23},{40,47},{67,47},{67,70},{80,70}}, color={0,0,127}, thickness=0.5)}),
-      Documentation(info="<html><p>Component <code>sensor-quantisation</code>. Resolution of the reading's converter.</p><p><code>y = resolution*round(x/resolution)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>resolution</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Step of the converter: range over 2^bits</td></tr></table><p>Source: B. Widrow, I. Kollar, Quantization Noise, Cambridge University Press 2008.</p><p>Effect: <code>sensor_quantisation</code>.</p><p>In the residual: uniform noise of variance q^2/12.</p><p>Looks like: <code>sensor_noise</code>.</p><p>Distinguished by: histogram of the reading.</p><p>In <code>p0-truth</code>: 0.015 % at most, 0.009 % rms.</p></html>"));
+      Documentation(info="<html><p>Component <code>sensor-quantisation</code>. Resolution of the reading's converter.</p><p><code>y = resolution*(round(x/resolution - phase) + phase)</code></p><table border='1'><tr><th>parameter</th><th>unit</th><th>start</th><th>least</th><th>greatest</th><th>meaning</th></tr><tr><td>resolution</td><td>{position}</td><td>required</td><td>0</td><td></td><td>Step of the converter: range over 2^bits</td></tr><tr><td>phase</td><td>1</td><td>0</td><td></td><td></td><td>Place of the codes between two multiples of the resolution</td></tr></table><p>Source: B. Widrow, I. Kollar, Quantization Noise, Cambridge University Press 2008.</p><p>Effect: <code>sensor_quantisation</code>.</p><p>In the residual: uniform noise of variance q^2/12.</p><p>Looks like: <code>sensor_noise</code>.</p><p>Distinguished by: histogram of the reading.</p><p>In <code>p0-truth</code>: 0.015 % at most, 0.009 % rms.</p></html>"));
   end SensorQuantisation;
   annotation(Documentation(info="<html><p>Position sensor and its conditioning.</p></html>"));
 end Sensors;

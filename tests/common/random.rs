@@ -1,15 +1,12 @@
 //! Random numbers of a seed.
 
-use std::f64::consts::TAU;
+use numerics::random::SplitMix64;
 
-use numerics::random::XorshiftStar64;
-
-pub(crate) struct Random(XorshiftStar64);
+pub(crate) struct Random(SplitMix64);
 
 impl Random {
-    /// From a state that is not 0.
-    pub(crate) fn new(state: u64) -> Self {
-        Self(XorshiftStar64::from_state(state))
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(SplitMix64::new(seed))
     }
 
     pub(crate) fn uniform(&mut self) -> f64 {
@@ -20,9 +17,8 @@ impl Random {
         low + (high - low) * self.uniform()
     }
 
-    /// Standard normal (Box and Muller).
+    /// Standard normal.
     pub(crate) fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * self.uniform().max(1e-300).ln()).sqrt();
-        radius * (TAU * self.uniform()).cos()
+        self.0.normal()
     }
 }

@@ -25,7 +25,7 @@ EXACT = 1e-11
 PLANT = {
     "delay": ({"delay": 3.3e-4, "longest": 1e-3}, EXACT),
     "clock-offset": ({"initial": 2.4e-4, "offset": 0.01, "longest": 1e-3}, EXACT),
-    "dac-quantisation": ({"resolution": 0.37}, EXACT),
+    "dac-quantisation": ({"resolution": 0.37, "phase": 0.3}, EXACT),
     "amplifier-lag": ({"bandwidth": 400.0, "gain": 1.1}, SOLVED),
     "amplifier-second-order": ({"frequency": 500.0, "damping": 0.6, "gain": 0.9}, SOLVED),
     "amplifier-rc": ({"resistance": 50.0, "capacitance": 5e-6, "current": 0.1}, 2e-7),
@@ -86,7 +86,7 @@ PLANT = {
     "sensor-drift": ({"per_hour": 0.0}, EXACT),
     "mains-hum": ({"amplitude": [0.3, 0.1], "phase": [0.4, 1.0]}, EXACT),
     "crosstalk": ({"gain": 0.01, "rate_gain": 1e-5}, EXACT),
-    "sensor-quantisation": ({"resolution": 0.037}, EXACT),
+    "sensor-quantisation": ({"resolution": 0.037, "phase": -0.2}, EXACT),
 }
 
 # Couplings of two axes.

@@ -7,7 +7,7 @@ use components::find;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use model::{Component, Tick};
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 
 const STEPS: usize = 1000;
 const T: f64 = 2e-5;
@@ -52,7 +52,7 @@ fn sine() -> Vec<f64> {
 }
 
 fn noise() -> Vec<f64> {
-    let mut random = XorshiftStar64::new(1);
+    let mut random = SplitMix64::new(1);
     (0..STEPS).map(|_| 120.0 * random.uniform()).collect()
 }
 

@@ -113,18 +113,18 @@ impl SecondOrder {
     }
 }
 
-/// `x` to the nearest multiple of `resolution`, halves away from zero; values whose number of steps
-/// is no longer exact in double precision pass.
+/// `x` to the nearest `resolution·(k + phase)` with a whole number k, halves away from zero; values whose number of
+/// steps is no longer exact in double precision pass.
 #[inline]
 #[must_use]
-pub fn quantise(x: f64, resolution: f64) -> f64 {
+pub fn quantise(x: f64, resolution: f64, phase: f64) -> f64 {
     const EXACT: f64 = (1u64 << 53) as f64;
-    let steps = x / resolution;
+    let steps = x / resolution - phase;
     if steps.abs() < EXACT {
         let integer = steps as i64 as f64;
         // The difference is exact.
         let up = if (steps - integer).abs() >= 0.5 { 1.0_f64.copysign(steps) } else { 0.0 };
-        resolution * (integer + up)
+        resolution * (integer + up + phase)
     } else {
         x
     }
@@ -166,9 +166,10 @@ mod tests {
         let edges = [0.0, -0.0, 0.5, -0.5, 1.5, 0.499_999_999_999_999_94, 4.5e15, 9.1e15, -2.5];
         let drawn = (0..10_000).map(|_| random.between(-40.0, 40.0));
         for x in edges.into_iter().chain(drawn) {
-            assert_eq!(quantise(x, 1.0), x.round(), "{x}");
+            assert_eq!(quantise(x, 1.0, 0.0), x.round(), "{x}");
+            assert_eq!(quantise(x, 0.5, 0.25), 0.5 * ((2.0 * x - 0.25).round() + 0.25), "{x}");
         }
-        assert!(quantise(f64::NAN, 1.0).is_nan());
+        assert!(quantise(f64::NAN, 1.0, 0.0).is_nan());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::vec;
 use std::vec::Vec;
 
 use model::{Component, Tick, Violation};
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 
 /// A component with its own slices and clock.
 pub(crate) struct Instance {
@@ -87,11 +87,11 @@ pub(crate) fn triangle(low: f64, high: f64, points: usize, periods: usize) -> Ve
 }
 
 /// Random numbers for signals whose distribution does not matter.
-pub(crate) struct Random(XorshiftStar64);
+pub(crate) struct Random(SplitMix64);
 
 impl Random {
     pub(crate) fn new(seed: u64) -> Self {
-        Self(XorshiftStar64::from_state(seed | 1))
+        Self(SplitMix64::new(seed))
     }
 
     /// Uniform from `low` to `high`.

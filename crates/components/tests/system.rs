@@ -5,7 +5,7 @@
 
 use components::{COMPONENTS, find};
 use model::{AxisSpec, Connections, Kind, NodeSpec, StepError, System, SystemSpec};
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 use proptest::prelude::*;
 
 const T: f64 = 1e-4;
@@ -246,7 +246,7 @@ fn a_chain_of_gains_steps_in_place_to_the_bit() {
     let (mut quick, mut slow) = (chain(), chain());
     let (mut past, mut known) = (quick.past(), slow.past());
     assert!(quick.is_affine() && !plant().is_affine() && !controller().is_affine());
-    let mut random = XorshiftStar64::new(1);
+    let mut random = SplitMix64::new(1);
     for k in 0..500_u32 {
         let command = 1600.0 * random.uniform() - 800.0;
         for system in [&mut quick, &mut slow] {

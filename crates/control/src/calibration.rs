@@ -251,11 +251,8 @@ mod tests {
                 (format!("theta{}", axis + 1), values.collect())
             })
             .collect();
-        let mut state = 1u64;
-        let mut draw = move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5) * 12.0_f64.sqrt()
-        };
+        let mut random = numerics::random::SplitMix64::new(1);
+        let mut draw = move || (random.uniform() - 0.5) * 12.0_f64.sqrt();
         let positions = (0..3)
             .map(|i| {
                 let values = (0..1000).map(|k| {

@@ -3,7 +3,7 @@
 
 use components::effects;
 use model::{AxisSpec, NodeSpec};
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 
 use crate::curve::Curve;
 use crate::probe::{Probe, is_actuator};
@@ -392,7 +392,7 @@ pub(crate) fn at_rest(
 
 /// Uniform numbers from -1 to 1 that are the same at every run.
 fn numbers(seed: u64) -> Vec<f64> {
-    let mut random = XorshiftStar64::new(seed);
+    let mut random = SplitMix64::new(seed);
     (0..TRIAL).map(|_| 2.0 * random.uniform() - 1.0).collect()
 }
 

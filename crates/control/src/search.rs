@@ -1,6 +1,6 @@
 //! A search that needs values only.
 
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 
 /// Part of the values that is exchanged.
 const EXCHANGED: f64 = 0.7;
@@ -14,7 +14,7 @@ pub(crate) fn evolve(
     effort: (usize, usize),
     cost: impl Fn(&[f64]) -> f64,
 ) -> (Vec<f64>, f64) {
-    let mut random = XorshiftStar64::new(1);
+    let mut random = SplitMix64::new(1);
     let mut draw = move || random.uniform();
     let size = effort.0 * bounds.len();
     let mut all: Vec<(Vec<f64>, f64)> = (0..size)

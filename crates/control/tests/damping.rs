@@ -11,7 +11,7 @@ use control::{
 use data::{AxisBlueprint, Blueprint, CheckedBlueprint, ComponentBlueprint, SignalBlueprint};
 use identify::Silent;
 use model::Kind;
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 
 /// Sample time, the published resonance in Hz with the damping of a flexure, and the range of frequencies.
 const PERIOD: f64 = 2e-5;
@@ -97,7 +97,7 @@ fn gain(plant: &CheckedBlueprint, controller: &CheckedBlueprint, frequency: f64)
 }
 
 /// Factors of a frequency, 0.9 to 1.1, and of a damping, 1/2 to 2.
-fn factors(draw: &mut XorshiftStar64) -> (f64, f64) {
+fn factors(draw: &mut SplitMix64) -> (f64, f64) {
     (0.9 + 0.2 * draw.uniform(), 4f64.powf(draw.uniform() - 0.5))
 }
 
@@ -120,7 +120,7 @@ fn the_damped_loop_reaches_beyond_the_resonance_settles_first_and_is_stable_on_1
     let (settled, _) = step(&stage(RESONANCE, true), &found.controller, (0.0, 1.0), 2000);
     println!("a step settles in {settled} s, {} s was computed", damping.settling);
     assert!((settled - damping.settling).abs() < 0.25 * damping.settling + 4.0 * PERIOD);
-    let mut draw = XorshiftStar64::new(0x5eed);
+    let mut draw = SplitMix64::new(0x5eed);
     let mut slowest = 0.0_f64;
     for number in 0..1000 {
         let (f, d) = factors(&mut draw);
@@ -176,7 +176,7 @@ fn the_truth_rig_is_damped_with_all_its_hysteresis() {
     let (ours, theirs) = (settled(&found), settled(&notch));
     assert!(3.0 * ours <= theirs, "{ours} {theirs}");
     println!("a step on the rig settles in {ours} s, PI with a notch in {theirs} s");
-    let mut draw = XorshiftStar64::new(0x7e57);
+    let mut draw = SplitMix64::new(0x7e57);
     for number in 0..1000 {
         let mut other = blueprint.clone();
         for axis in &mut other.axes {

@@ -6,7 +6,7 @@
 
 use std::time::{Duration, Instant};
 
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 
 /// Part of a run's time that reading the clock may take.
 const SHARE: f64 = 0.005;
@@ -119,7 +119,7 @@ pub(crate) struct Stopwatch {
     /// machine does makes steps longer, but not their part of the processor's time.
     last: (usize, f64),
     quickest: f64,
-    random: XorshiftStar64,
+    random: SplitMix64,
     timed: u64,
     late: (u64, f64),
 }
@@ -134,7 +134,7 @@ impl Stopwatch {
         }
         let reading = begin.elapsed().as_secs_f64() / f64::from(READINGS);
         let cost = reading * (2 * fmus + 1) as f64;
-        let (next, random, timed) = (0, XorshiftStar64::new(1), 0);
+        let (next, random, timed) = (0, SplitMix64::new(1), 0);
         let (last, quickest, late) = ((0, 0.0), f64::INFINITY, (0, 0.0));
         Stopwatch { begin: Instant::now(), next, cost, last, quickest, random, timed, late }
     }

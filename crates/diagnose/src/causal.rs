@@ -214,7 +214,7 @@ impl Functions {
 
 #[cfg(test)]
 mod tests {
-    use numerics::random::XorshiftStar64;
+    use numerics::random::SplitMix64;
 
     use super::*;
     use crate::data_set::RecordRows;
@@ -223,13 +223,13 @@ mod tests {
     const ROWS: usize = 4000;
 
     /// Nearly normal, of variance 1.
-    fn noise(random: &mut XorshiftStar64) -> f64 {
+    fn noise(random: &mut SplitMix64) -> f64 {
         (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0
     }
 
     /// What is found in noise of 1 and what this makes of the command and the row, beside the power of that.
     fn left_of(mut cause: impl FnMut(f64, usize) -> f64) -> (f64, f64) {
-        let mut random = XorshiftStar64::new(SEED);
+        let mut random = SplitMix64::new(SEED);
         let (mut residual, mut power) = (Vec::new(), 0.0);
         let records = (0..3).map(|record| {
             let rate = 0.01 * (1.0 + 2.0 * record as f64);
@@ -252,7 +252,7 @@ mod tests {
     fn noise_and_walks_are_not_caused_and_what_the_command_causes_is() {
         let (found, _) = left_of(|_, _| 0.0);
         assert!(found < 0.01, "{found} of noise, seed {SEED}");
-        let mut random = XorshiftStar64::new(SEED + 1);
+        let mut random = SplitMix64::new(SEED + 1);
         let mut at = 0.0;
         let walk = |_: f64, k: usize| {
             at = if k == 0 { 0.0 } else { at + 0.05 * noise(&mut random) };

@@ -227,11 +227,8 @@ mod tests {
     fn residuals(error: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
         let signal: Vec<f64> =
             (0..4000).map(|k| 100.0 * (f64::from(k) * 0.618_033_988_749_895).fract()).collect();
-        let mut state = 5u64;
-        let mut noise = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        };
+        let mut random = numerics::random::SplitMix64::new(5);
+        let mut noise = || random.uniform() - 0.5;
         let residual = signal.iter().map(|u| error(*u) + 0.3 * noise()).collect();
         (signal, residual)
     }

@@ -95,26 +95,22 @@ fn density(time: f64, frequency: f64, sample: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use numerics::random::XorshiftStar64;
+    use numerics::random::SplitMix64;
 
     use super::*;
 
-    const SEED: u64 = 11;
+    const SEEDS: std::ops::Range<u64> = 0..15;
     const SAMPLE: f64 = 1e-3;
 
-    fn normal(random: &mut XorshiftStar64) -> f64 {
-        (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0
-    }
-
     /// White noise of 1 and a discrepancy of this size and time.
-    fn residual(size: f64, time: f64, rows: usize) -> Vec<f64> {
-        let mut random = XorshiftStar64::new(SEED);
+    fn residual(seed: u64, (size, time): (f64, f64), rows: usize) -> Vec<f64> {
+        let mut random = SplitMix64::new(seed);
         let a = (-SAMPLE / time).exp();
         let mut slow = 0.0;
         (0..rows)
             .map(|_| {
-                slow = a * slow + (1.0 - a * a).sqrt() * normal(&mut random);
-                size * slow + normal(&mut random)
+                slow = a * slow + (1.0 - a * a).sqrt() * random.normal();
+                size * slow + random.normal()
             })
             .collect()
     }
@@ -126,11 +122,21 @@ mod tests {
 
     #[test]
     fn size_and_time_are_those_of_what_is_left() {
-        for (size, time) in [(2.0, 0.03), (0.7, 0.02), (8.0, 0.01)] {
-            let d = found(&residual(size, time, 20_000));
-            assert!((d.size / size - 1.0).abs() < 0.25, "seed {SEED}, {size}, {time}: {d:?}");
-            assert!((d.time / time).ln().abs() < 0.6, "seed {SEED}, {size}, {time}: {d:?}");
+        for truth in [(2.0, 0.03), (0.7, 0.02), (8.0, 0.01)] {
+            let mut sizes = Vec::new();
+            for seed in SEEDS {
+                let d = found(&residual(seed, truth, 20_000));
+                assert!((d.time / truth.1).ln().abs() < 0.6, "seed {seed}, {truth:?}: {d:?}");
+                sizes.push(d.size / truth.0);
+            }
+            // The slowest has some 300 independent values in a log, and times lie on a grid: one log may be off by 30 %.
+            sizes.sort_by(f64::total_cmp);
+            let (middle, ends) = (sizes[sizes.len() / 2], [sizes[0], sizes[sizes.len() - 1]]);
+            assert!((middle - 1.0).abs() < 0.15, "{truth:?}: {sizes:?}");
+            assert!(ends.iter().all(|size| (size - 1.0).abs() < 0.4), "{truth:?}: {sizes:?}");
         }
-        assert_eq!(found(&residual(0.0, 0.1, 20_000)).size, 0.0, "seed {SEED}");
+        for seed in SEEDS {
+            assert_eq!(found(&residual(seed, (0.0, 0.1), 20_000)).size, 0.0, "seed {seed}");
+        }
     }
 }

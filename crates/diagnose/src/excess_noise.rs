@@ -51,7 +51,7 @@ pub(crate) fn ratio(residual: &[f64], data: &DataSet) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use numerics::random::XorshiftStar64;
+    use numerics::random::SplitMix64;
 
     use super::ratio;
     use crate::data_set::{DataSet, RecordRows};
@@ -60,7 +60,7 @@ mod tests {
     fn readings_are_noisier_where_their_white_part_is_more_than_what_was_stated() {
         let rows = 4000;
         let data = DataSet::new(vec![RecordRows::still(rows, 0.7)], &[], None);
-        let mut random = XorshiftStar64::new(7);
+        let mut random = SplitMix64::new(7);
         let white: Vec<f64> =
             (0..rows).map(|_| (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0).collect();
         let of = |size: f64, slow: f64| {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 use surround::Span;
 
 use crate::base::Part;
@@ -350,7 +350,7 @@ impl Item {
     }
 }
 
-/// XorshiftStar64 phases, crest factor as it comes, scaled to the half width.
+/// Random phases, crest factor as it comes, scaled to the half width.
 fn multisine(
     n: usize,
     sample: f64,
@@ -358,7 +358,7 @@ fn multisine(
     (centre, half): (f64, f64),
     seed: u64,
 ) -> Vec<f64> {
-    let mut random = XorshiftStar64::new(seed);
+    let mut random = SplitMix64::new(seed);
     let length = n as f64 * sample;
     let lines: Vec<(f64, f64)> = (0..Thresholds::EXPERIMENT_LINES)
         .map(|k| {

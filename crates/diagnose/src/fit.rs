@@ -11,6 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use nalgebra::{DMatrix, DVector};
+use numerics::levenberg_marquardt::damped_step;
 use rayon::prelude::*;
 
 use self::broyden::correct;
@@ -413,6 +414,8 @@ impl<'a> Work<'a> {
         gradient: &DVector<f64>,
         damping: f64,
     ) -> Option<Vec<f64>> {
+        /// Information about a coordinate that the rows do not show.
+        const UNSEEN: f64 = 1e-12;
         let parameters = &self.chain().parameters;
         let n = parameters.len();
         let mut held: Vec<bool> = (0..n)
@@ -427,16 +430,12 @@ impl<'a> Work<'a> {
             if free.is_empty() {
                 return None;
             }
-            let mut matrix = DMatrix::zeros(free.len(), free.len());
-            let mut right = DVector::zeros(free.len());
-            for (i, a) in free.iter().enumerate() {
-                right[i] = gradient[*a];
-                for (j, b) in free.iter().enumerate() {
-                    matrix[(i, j)] = normal[(*a, *b)];
-                }
-                matrix[(i, i)] += damping * normal[(*a, *a)].max(1e-12) + 1e-12;
-            }
-            let step = matrix.cholesky()?.solve(&right);
+            let at = |i: usize, j: usize| normal[(free[i], free[j])];
+            // What moves nothing stays where it is.
+            let floor = |i: usize, j: usize| if i == j { at(i, j).max(UNSEEN) } else { at(i, j) };
+            let matrix = DMatrix::from_fn(free.len(), free.len(), floor);
+            let slope = DVector::from_fn(free.len(), |i, _| -gradient[free[i]]);
+            let step = damped_step(matrix, &slope, damping)?;
             for (i, a) in free.iter().enumerate() {
                 // Logarithms move by at most a factor e at once.
                 let most = if parameters[*a].log { 1.0 } else { f64::INFINITY };

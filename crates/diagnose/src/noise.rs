@@ -262,12 +262,8 @@ mod tests {
     use super::*;
 
     fn noise(n: usize) -> Vec<f64> {
-        let mut state = 7u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..n).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+        let mut random = numerics::random::SplitMix64::new(7);
+        (0..n).map(|_| random.normal()).collect()
     }
 
     #[test]

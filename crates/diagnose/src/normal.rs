@@ -2,8 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::thresholds::fit::Thresholds;
-
 /// Inner product.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Four sums at once: the compiler may not reorder one.
@@ -41,40 +39,4 @@ pub(crate) fn normal_equations(
     let gradient = columns.iter().map(|column| -weight * dot(column, residual));
     let gradient = DVector::from_iterator(columns.len(), gradient);
     (products(columns) * weight, gradient)
-}
-
-/// The minimum of `½ sᵀNs − gᵀs` with what would leave its room held at its end.
-pub(crate) fn within(
-    normal: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-    room: &[(f64, f64)],
-) -> Option<DVector<f64>> {
-    let n = gradient.len();
-    let mut held: Vec<Option<f64>> = vec![None; n];
-    let mut step = DVector::zeros(n);
-    for _ in 0..Thresholds::BOUND_ROUNDS {
-        let free: Vec<usize> = (0..n).filter(|k| held[*k].is_none()).collect();
-        let matrix = DMatrix::from_fn(free.len(), free.len(), |i, j| normal[(free[i], free[j])]);
-        let right = DVector::from_fn(free.len(), |i, _| {
-            let moved = |k: usize| held[k].map_or(0.0, |s| normal[(free[i], k)] * s);
-            gradient[free[i]] - (0..n).map(moved).sum::<f64>()
-        });
-        let solved = matrix.cholesky()?.solve(&right);
-        for k in 0..n {
-            step[k] = held[k].unwrap_or(0.0);
-        }
-        for (k, s) in free.iter().zip(solved.iter()) {
-            step[*k] = *s;
-        }
-        let out: Vec<usize> =
-            free.into_iter().filter(|k| step[*k] < room[*k].0 || step[*k] > room[*k].1).collect();
-        if out.is_empty() {
-            break;
-        }
-        for k in out {
-            step[k] = step[k].clamp(room[k].0, room[k].1);
-            held[k] = Some(step[k]);
-        }
-    }
-    Some(step)
 }

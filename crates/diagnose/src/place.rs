@@ -288,7 +288,7 @@ impl Maps<'_> {
 
 #[cfg(test)]
 mod tests {
-    use numerics::random::XorshiftStar64;
+    use numerics::random::SplitMix64;
 
     use super::*;
     use crate::data_set::RecordRows;
@@ -298,7 +298,7 @@ mod tests {
 
     /// What is said of a residual in noise of 1 under a command.
     fn driven(command: impl Fn(usize) -> f64, residual: impl Fn(usize) -> f64) -> Option<bool> {
-        let mut random = XorshiftStar64::new(SEED);
+        let mut random = SplitMix64::new(SEED);
         let mut noise = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
         let u: Vec<f64> = (0..ROWS).map(command).collect();
         let r: Vec<f64> = (0..ROWS).map(|k| residual(k) + noise()).collect();

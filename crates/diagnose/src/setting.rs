@@ -172,7 +172,7 @@ fn before_mode(task: &Task, residual: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use numerics::random::XorshiftStar64;
+    use numerics::random::SplitMix64;
 
     use super::*;
     use crate::data_set::RecordRows;
@@ -190,7 +190,7 @@ mod tests {
         let lengths = [("short", 2000), ("long", 3000), ("other", 2400)];
         let neighbour = [("neighbour".to_owned(), true)];
         let data = DataSet::new(lengths.map(record).into(), &neighbour, None);
-        let mut random = XorshiftStar64::new(5);
+        let mut random = SplitMix64::new(5);
         // Lines of two records, of one of them, of the longest; of the neighbour, of the command, of the mains.
         let residual: Vec<f64> = lengths
             .iter()
@@ -224,7 +224,7 @@ mod tests {
         };
         let data = DataSet::new(commands.map(record).into(), &[], None);
         let found = |lines: [f64; 3]| {
-            let mut random = XorshiftStar64::new(5);
+            let mut random = SplitMix64::new(5);
             let rows = lines.iter().flat_map(|f| (0..ROWS).map(move |k| (*f, k)));
             let residual: Vec<f64> =
                 rows.map(|(f, k)| tone(f, k) + random.uniform() - 0.5).collect();

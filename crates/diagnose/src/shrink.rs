@@ -1,6 +1,6 @@
 //! How much of the gap goes, with a prediction interval for a new record.
 
-use numerics::random::{SplitMix64, XorshiftStar64};
+use numerics::random::SplitMix64;
 
 use crate::data_set::DataSet;
 use crate::gap::{HeldOut, Shrink};
@@ -93,7 +93,7 @@ impl Evidence<'_> {
         if groups.is_empty() {
             return [-1.0, 1.0];
         }
-        let mut random = XorshiftStar64::new(self.seed);
+        let mut random = SplitMix64::new(self.seed);
         let mut draws: Vec<f64> = Vec::with_capacity(Thresholds::BOOTSTRAP_DRAWS);
         for _ in 0..Thresholds::BOOTSTRAP_DRAWS {
             let group = &groups[random.below(groups.len())];

@@ -103,7 +103,8 @@ pub(crate) fn band_powers(signal: &[f64], bands: &Bands, sample: f64) -> Vec<f64
 }
 
 /// Frequencies at which what is left answers to what is simulated more than beside them, those first at which the
-/// answer holds the most power: Welch's estimate over segments of all stretches.
+/// answer holds the most power: Welch's estimate over segments of all stretches. Starts of fits, no findings: in noise some
+/// lines stand out, too.
 pub(crate) fn resonances(
     simulated: &[f64],
     left: &[f64],
@@ -233,6 +234,8 @@ pub(crate) fn coherence(residual: &[f64], input: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use numerics::random::SplitMix64;
+
     use super::*;
 
     #[test]
@@ -257,18 +260,8 @@ mod tests {
 
     #[test]
     fn white_noise_has_the_density_of_its_variance() {
-        let mut state = 1u64;
-        let noise: Vec<f64> = (0..4096)
-            .map(|_| {
-                let mut sum = 0.0;
-                for _ in 0..12 {
-                    state =
-                        state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                    sum += (state >> 11) as f64 / (1u64 << 53) as f64;
-                }
-                sum - 6.0
-            })
-            .collect();
+        let mut random = SplitMix64::new(1);
+        let noise: Vec<f64> = (0..4096).map(|_| random.normal()).collect();
         let density = density(&noise);
         let mean = density[1..].iter().sum::<f64>() / (density.len() - 1) as f64;
         assert!((mean - 1.0).abs() < 0.1, "{mean}");
@@ -296,19 +289,19 @@ mod tests {
     }
 
     #[test]
-    fn a_resonance_is_found_where_what_is_left_answers_and_not_in_noise() {
+    fn the_first_resonance_is_where_what_is_left_answers() {
         use surround::{Block, Signals};
 
-        use numerics::random::XorshiftStar64;
-
-        let (seed, rows, sample) = (3, 20_000, 1e-3);
-        let mut random = XorshiftStar64::new(seed);
-        let mut noise = || (0..rows).map(|_| random.uniform() - 0.5).collect::<Vec<f64>>();
-        let (simulated, other) = (noise(), noise());
-        let found = |left: &[f64]| {
-            resonances(&simulated, left, [0..rows / 2, rows / 2..rows].into_iter(), sample)
-        };
-        for frequency in [31.0, 120.0, 260.0] {
+        let (rows, sample) = (20_000, 1e-3);
+        for (seed, frequency) in
+            (0..10).flat_map(|seed| [31.0, 120.0, 260.0].map(|frequency| (seed, frequency)))
+        {
+            let mut random = SplitMix64::new(seed);
+            let mut noise = || (0..rows).map(|_| random.uniform() - 0.5).collect::<Vec<f64>>();
+            let (simulated, other) = (noise(), noise());
+            let found = |left: &[f64]| {
+                resonances(&simulated, left, [0..rows / 2, rows / 2..rows].into_iter(), sample)
+            };
             let mut mode = vec![0.0; rows];
             let block = Block::SecondOrder.prepare(&[frequency, 0.02], sample).unwrap();
             block.run(Signals::path(&simulated), &mut mode);
@@ -316,6 +309,5 @@ mod tests {
             let first = found(&left)[0];
             assert!((first / frequency - 1.0).abs() < 0.03, "seed {seed}: {frequency} {first}");
         }
-        assert!(found(&other).len() <= 1, "seed {seed}: {:?}", found(&other));
     }
 }

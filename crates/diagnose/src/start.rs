@@ -159,7 +159,7 @@ fn rest(data: &DataSet, base: &Candidate, command: f64, count: &AtomicU64) -> Op
 
 #[cfg(test)]
 mod tests {
-    use numerics::random::XorshiftStar64;
+    use numerics::random::SplitMix64;
 
     use super::*;
 
@@ -167,7 +167,7 @@ mod tests {
 
     /// A swing that decays from the first row on, or grows to its size first, in noise.
     fn residual(swing: f64, delay: f64) -> Vec<f64> {
-        let mut random = XorshiftStar64::new(SEED);
+        let mut random = SplitMix64::new(SEED);
         let at = |t: f64| swing * (1.0 - (-t / delay).exp()) * (-t / 40.0).exp() * (0.7 * t).cos();
         (0..4000).map(|k| 3.0 + at(f64::from(k) + 0.01) + random.uniform() - 0.5).collect()
     }

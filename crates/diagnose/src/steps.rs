@@ -4,6 +4,8 @@
 //! reading stands still while the machine rests, and jumps by whole steps. What is rounded is off by q/√12 then, whatever the
 //! model: no fit shows the steps better than the values do.
 
+use components::linear::quantise;
+
 use crate::data_set::DataSet;
 use crate::score::Judged;
 use crate::thresholds::noise::Thresholds;
@@ -63,7 +65,7 @@ impl Steps {
 
     /// Measured less rounded, where `residual` is measured less simulated.
     pub(crate) fn left(&self, y: &[f64], residual: &[f64]) -> Vec<f64> {
-        let round = |x: f64| self.size * ((x / self.size - self.phase).round() + self.phase);
+        let round = |x: f64| quantise(x, self.size, self.phase);
         y.iter().zip(residual).map(|(y, r)| y - round(y - r)).collect()
     }
 }
@@ -115,7 +117,7 @@ fn grid(values: &[f64]) -> Option<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use numerics::random::XorshiftStar64;
+    use numerics::random::SplitMix64;
 
     use super::*;
     use crate::data_set::RecordRows;
@@ -125,7 +127,7 @@ mod tests {
 
     /// A slow reading of noise σ in steps.
     fn reading(sigma: f64) -> DataSet {
-        let mut random = XorshiftStar64::new(11);
+        let mut random = SplitMix64::new(11);
         let mut noise = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
         let smooth = |k: usize| 9.0 * (k as f64 * 1e-3).sin();
         let round = |x: f64| f64::from((STEP * ((x / STEP - PHASE).round() + PHASE)) as f32);

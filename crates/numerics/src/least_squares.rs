@@ -200,6 +200,47 @@ pub fn of_full_rank(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Option<(V
     Some((finite?, r[(width, width)].powi(2)))
 }
 
+/// The minimum of `½ sᵀNs − gᵀs` with `low ≤ s ≤ high`, for a positive definite normal matrix N (n × n), a gradient g (n)
+/// and the room (low, high) of each coordinate. What would leave its room is held at its end, and the others are solved
+/// for again; what is held stays so. `None` where N is not positive definite.
+#[must_use]
+pub fn within(
+    normal: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    room: &[(f64, f64)],
+) -> Option<DVector<f64>> {
+    /// Rounds in which coordinates are held.
+    const ROUNDS: usize = 4;
+    let n = gradient.len();
+    let mut held: Vec<Option<f64>> = vec![None; n];
+    let mut step = DVector::zeros(n);
+    for _ in 0..ROUNDS {
+        let free: Vec<usize> = (0..n).filter(|k| held[*k].is_none()).collect();
+        let matrix = DMatrix::from_fn(free.len(), free.len(), |i, j| normal[(free[i], free[j])]);
+        let right = DVector::from_fn(free.len(), |i, _| {
+            let moved = |k: usize| held[k].map_or(0.0, |s| normal[(free[i], k)] * s);
+            gradient[free[i]] - (0..n).map(moved).sum::<f64>()
+        });
+        let solved = matrix.cholesky()?.solve(&right);
+        for k in 0..n {
+            step[k] = held[k].unwrap_or(0.0);
+        }
+        for (k, s) in free.iter().zip(solved.iter()) {
+            step[*k] = *s;
+        }
+        let out: Vec<usize> =
+            free.into_iter().filter(|k| step[*k] < room[*k].0 || step[*k] > room[*k].1).collect();
+        if out.is_empty() {
+            break;
+        }
+        for k in out {
+            step[k] = step[k].clamp(room[k].0, room[k].1);
+            held[k] = Some(step[k]);
+        }
+    }
+    Some(step)
+}
+
 /// Divides each column by its length; returns the lengths.
 pub fn scaled_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
     let norms = DVector::from_iterator(
@@ -326,5 +367,18 @@ mod tests {
         reduced.push([1.0, f64::NAN]);
         reduced.push([f64::INFINITY, 1.0]);
         assert!(reduced.solve(0).is_err());
+    }
+
+    #[test]
+    fn what_would_leave_its_room_is_held_at_its_end() {
+        let normal = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]);
+        let gradient = DVector::from_vec(vec![3.0, 3.0]);
+        let all = (f64::MIN, f64::MAX);
+        let step = within(&normal, &gradient, &[all, all]).expect("positive definite");
+        assert!((step - DVector::from_vec(vec![1.0, 1.0])).norm() < 1e-12);
+        // With the first at 0.4 the second is (3 − 0.4)/2.
+        let step = within(&normal, &gradient, &[(-1.0, 0.4), all]).expect("positive definite");
+        assert!((step - DVector::from_vec(vec![0.4, 1.3])).norm() < 1e-12);
+        assert!(within(&-normal, &gradient, &[all, all]).is_none());
     }
 }

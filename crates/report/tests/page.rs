@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 use proptest::prelude::*;
 use report::{
     Axis, Bode, Column, Figure, Histogram, KeyFigure, Provenance, Report, ReportError, Role,
@@ -259,7 +259,7 @@ proptest! {
 fn ten_signals_of_200_000_samples_stay_below_a_megabyte() {
     let n = 200_000;
     let time: Vec<f64> = (0..n).map(|i| f64::from(i) * 5e-5).collect();
-    let mut random = XorshiftStar64::new(1);
+    let mut random = SplitMix64::new(1);
     let mut noise = || random.uniform() - 0.5;
     let started = Instant::now();
     let figure = (0..10).fold(TimeSeries::new("Ten noisy signals", &time), |figure, k| {

@@ -5,7 +5,7 @@
 //!
 //! Where a component does the same, the component itself steps ([`Kernel::components`](crate::Kernel::components)), and
 //! is what a diagnosis hands back. The other blocks have formulas of their own: no component does just that, they are
-//! differences to what the original already does, or their steps may not be counted (delay, ageing).
+//! differences to what the original already does, or they count steps, whose lengths differ here (delay).
 
 use serde::{Deserialize, Serialize};
 

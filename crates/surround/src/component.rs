@@ -63,7 +63,7 @@ impl<C: Component, const P: usize, const K: usize, const N: usize> Step<N> for O
 
     #[inline]
     fn step(&self, w: Wires, t: f64, z: &mut [f64; N]) -> f64 {
-        let tick = Tick { index: (t / self.dt) as u64, time: t, period: self.dt };
+        let tick = Tick { index: (t / self.dt).round() as u64, time: t, period: self.dt };
         self.call(w, |component, coefficients, u, y| component.step(coefficients, z, tick, u, y))
     }
 
@@ -72,7 +72,33 @@ impl<C: Component, const P: usize, const K: usize, const N: usize> Step<N> for O
     }
 
     fn components(&self) -> Vec<Stepped<'_>> {
-        vec![Stepped { component: self.component, parameters: &self.parameters }]
+        vec![Stepped { component: self.component, structure: &[], parameters: &self.parameters }]
+    }
+}
+
+/// One law without memory behind another.
+#[derive(Clone)]
+pub(crate) struct Behind<A, B>(pub(crate) A, pub(crate) B);
+
+impl<A: Step<0>, B: Step<0>> Step<0> for Behind<A, B> {
+    fn set_step(&mut self, dt: f64) {
+        self.0.set_step(dt);
+        self.1.set_step(dt);
+    }
+
+    fn rest(&self, w: Wires) -> ([f64; 0], f64) {
+        let ([], x) = self.0.rest(w);
+        self.1.rest(Wires { x, ..w })
+    }
+
+    #[inline]
+    fn step(&self, w: Wires, t: f64, z: &mut [f64; 0]) -> f64 {
+        let x = self.0.step(w, t, z);
+        self.1.step(Wires { x, ..w }, t, z)
+    }
+
+    fn components(&self) -> Vec<Stepped<'_>> {
+        [self.0.components(), self.1.components()].concat()
     }
 }
 

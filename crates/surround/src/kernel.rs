@@ -113,6 +113,8 @@ pub(crate) fn each(p: &[f64], count: usize) -> Result<&[f64], WrongCount> {
 pub struct Stepped<'a> {
     /// The component.
     pub component: &'static dyn Component,
+    /// Values of its structure.
+    pub structure: &'a [f64],
     /// In the order of its declaration.
     pub parameters: &'a [f64],
 }
@@ -340,6 +342,10 @@ pub(crate) trait Bank<const H: usize, const S: usize>:
     }
     /// Moves an element and returns what it adds.
     fn add(element: &Self::Element, shared: Self::Shared, z: &mut [f64; S]) -> f64;
+    /// The component that it is with all its elements.
+    fn component(&self) -> Option<Stepped<'_>> {
+        None
+    }
 }
 
 /// Rows of which whole signals' shared numbers are kept at a time: they stay in the fastest memory.
@@ -425,6 +431,10 @@ impl<const H: usize, const S: usize, K: Bank<H, S>> Law for Banked<K, H, S> {
 
     fn states(&self) -> usize {
         H + S * self.elements.len()
+    }
+
+    fn components(&self) -> Vec<Stepped<'_>> {
+        self.bank.component().into_iter().collect()
     }
 
     fn boxed(&self) -> Box<dyn Law> {

@@ -1,10 +1,11 @@
 //! Linear effects: delay, lags, modes, creep, gains, feed-through.
 
 use components::amplifier::slewed;
+use components::creep::{KelvinVoigtCreep, crept};
 use components::linear::{SecondOrder, Transition, approach, lag_fraction};
 use libm::{log10, pow};
 
-use crate::kernel::{Bank, Law, Signals, Step, Wires};
+use crate::kernel::{Bank, Law, Signals, Step, Stepped, Wires};
 use crate::state::{State, past};
 
 /// `x(t − T)`, straight lines between the steps. State: what is not older than T.
@@ -140,9 +141,25 @@ impl Step<2> for ParallelMode {
     }
 }
 
-/// `x + Σ share·lag(x)`.
+/// `x + Σ share·lag(x)`: the component `kelvin-voigt-creep`.
 #[derive(Clone)]
-pub(crate) struct Creep;
+pub(crate) struct Creep {
+    structure: [f64; 1],
+    parameters: Vec<f64>,
+}
+
+impl Creep {
+    /// Of the share and time constant of each element; with the elements, shortest time first, as the component has them.
+    pub(crate) fn of(mut all: Vec<(f64, f64)>) -> (Self, Vec<Element>) {
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let (shares, times): (Vec<f64>, Vec<f64>) = all.iter().copied().unzip();
+        let creep = Self { structure: [all.len() as f64], parameters: [shares, times].concat() };
+        (
+            creep,
+            all.into_iter().map(|(share, time)| Element { share, time, fraction: 0.0 }).collect(),
+        )
+    }
+}
 
 /// An element of creep.
 #[derive(Clone, Copy)]
@@ -151,13 +168,6 @@ pub(crate) struct Element {
     /// Time constant in s.
     time: f64,
     fraction: f64,
-}
-
-impl Element {
-    /// Of a share and a time constant in s.
-    pub(crate) fn new((share, time): (f64, f64)) -> Self {
-        Self { share, time, fraction: 0.0 }
-    }
 }
 
 impl Bank<0, 1> for Creep {
@@ -179,8 +189,12 @@ impl Bank<0, 1> for Creep {
 
     #[inline]
     fn add(element: &Element, x: f64, [z]: &mut [f64; 1]) -> f64 {
-        *z += element.fraction * (x - *z);
-        element.share * *z
+        crept(x, (element.share, element.fraction), z)
+    }
+
+    fn component(&self) -> Option<Stepped<'_>> {
+        let Self { structure, parameters } = self;
+        Some(Stepped { component: &KelvinVoigtCreep, structure, parameters })
     }
 }
 
@@ -275,24 +289,6 @@ impl Step<1> for Gain {
     #[inline]
     fn step(&self, w: Wires, _t: f64, [rest]: &mut [f64; 1]) -> f64 {
         w.x + self.gain * (w.x - *rest)
-    }
-}
-
-/// `x·(1 + g + a·lg(1 + t/0.1 s))`, t from the start.
-#[derive(Clone)]
-pub(crate) struct AgeingGain {
-    pub(crate) gain: f64,
-    pub(crate) growth: f64,
-}
-
-impl Step<0> for AgeingGain {
-    fn rest(&self, w: Wires) -> ([f64; 0], f64) {
-        ([], self.step(w, 0.0, &mut []))
-    }
-
-    #[inline]
-    fn step(&self, w: Wires, t: f64, _: &mut [f64; 0]) -> f64 {
-        w.x + (self.gain + self.growth * log10(1.0 + t / 0.1)) * w.x
     }
 }
 

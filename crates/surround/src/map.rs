@@ -11,19 +11,6 @@ fn kernel(map: impl Fn(f64) -> f64 + Clone + Send + Sync + 'static) -> Kernel {
     Kernel::new(Map(map), 0.0)
 }
 
-pub(crate) fn factor(factor: f64) -> Kernel {
-    kernel(move |x| factor * x)
-}
-
-pub(crate) fn offset(offset: f64) -> Kernel {
-    kernel(move |x| x + offset)
-}
-
-pub(crate) fn rounding(half: f64, steps: f64, phase: f64) -> Kernel {
-    let q = 2.0 * half / steps;
-    kernel(move |x| q * ((x / q - phase).round() + phase))
-}
-
 /// The code below x (in steps), or the one before where it is one of those that are missing.
 #[must_use]
 pub fn code(x: f64, every: u32, missing: u32) -> f64 {

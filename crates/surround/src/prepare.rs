@@ -1,15 +1,18 @@
 //! What steps a block: the kernel with its parameters.
 
+use components::actuator::ActuatorAgeing;
 use components::amplifier::{AmplifierClamp, AmplifierSlew};
 use components::hysteresis::{LaggingPlay, RateDependentPlay};
 use components::mechanics::{Backlash, CollocatedMode, MODE};
-use components::sensor::{Crosstalk, SensorLag, SensorPolynomial};
+use components::sensor::{
+    Crosstalk, SENSOR_QUANTISATION, SENSOR_SCALE, SensorLag, SensorPolynomial,
+};
 use model::Component;
 
 use crate::block::Block;
-use crate::component::{Own, Series};
+use crate::component::{Behind, Own, Series};
 use crate::kernel::{Banked, Count, Kernel, Stepping, WrongCount, each, exactly};
-use crate::linear::{self, Auxiliary, BeforeMode, Creep, Delay, Element, Mode};
+use crate::linear::{self, Auxiliary, BeforeMode, Creep, Delay, Mode};
 use crate::map;
 use crate::mechanics::{Dahl, Forced};
 use crate::memory::{self, BoucWen};
@@ -62,11 +65,18 @@ impl Block {
             operator.kernel(memory, p, dt)
         }
         match self {
-            Self::Factor => exactly(p).map(|[factor]| map::factor(factor)),
-            Self::Offset => exactly(p).map(|[offset]| map::offset(offset)),
+            Self::Factor => {
+                let [factor] = exactly(p)?;
+                own::<_, 2, 2, 0>(&SENSOR_SCALE, [factor, 0.0], dt)
+            }
+            Self::Offset => {
+                let [offset] = exactly(p)?;
+                own::<_, 2, 2, 0>(&SENSOR_SCALE, [1.0, offset], dt)
+            }
             Self::Delay => exactly(p).map(|[time]| Kernel::new(Delay { time }, dt)),
             Self::Rounding { half } => {
-                exactly(p).map(|[steps, phase]| map::rounding(*half, steps, phase))
+                let [steps, phase] = exactly(p)?;
+                own::<_, 2, 2, 0>(&SENSOR_QUANTISATION, [2.0 * half / steps, phase], dt)
             }
             Self::MissingCodes { half, every, missing } => {
                 exactly(p).map(|p| map::missing_codes(*half, *every, *missing, p))
@@ -123,7 +133,10 @@ impl Block {
             }
             Self::AgeingGain => {
                 let [gain, growth] = exactly(p)?;
-                stepping(linear::AgeingGain { gain, growth }, dt)
+                let gain = 1.0 + gain;
+                let scale: Own<_, 2, 2, 0> = Own::new(&SENSOR_SCALE, [gain, 0.0]);
+                let ageing: Own<_, 2, 2, 0> = Own::new(&ActuatorAgeing, [-growth / gain, 0.1]);
+                stepping(Behind(scale, ageing), dt)
             }
             Self::DeadZones(span) => {
                 exactly(p).map(|[high, low]| map::dead_zones(*span, high, low))
@@ -143,8 +156,8 @@ impl Block {
             | Self::LogCreep { .. }
             | Self::PowerCreep { .. }
             | Self::FixedCreep { .. } => {
-                let elements = self.elements(p)?.into_iter().flatten();
-                banked(Creep, elements.map(Element::new).collect(), dt)
+                let (creep, elements) = Creep::of(self.elements(p)?.unwrap_or_default());
+                banked(creep, elements, dt)
             }
             Self::Plays { r, slope } => {
                 let weights = each(p, r.len() + usize::from(*slope))?;
@@ -218,6 +231,12 @@ impl Block {
             }
             Self::ParallelMode => {
                 let [gain, frequency, damping] = exactly(p)?;
+                // 1 − g + g·M is a pair of poles over a pair of zeros with the static gain 1.
+                if gain < 1.0 {
+                    let root = (1.0 - gain).sqrt();
+                    let values = [frequency, damping, frequency / root, damping * root];
+                    return own::<_, 4, 5, 2>(&CollocatedMode, values, dt);
+                }
                 stepping(linear::ParallelMode { gain, mode: Mode::new(frequency, damping) }, dt)
             }
             Self::PoleZero => {

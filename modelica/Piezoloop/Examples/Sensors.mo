@@ -112,7 +112,7 @@ package Sensors "Examples of single blocks: Sensors"
 
   model SensorQuantisation "Resolution of the reading's converter"
     extends Icons.Example;
-    Piezoloop.Sensors.SensorQuantisation device(resolution = 0.037) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
+    Piezoloop.Sensors.SensorQuantisation device(resolution = 0.037, phase = -0.2) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1e-07, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
   equation
     connect(wave.y, device.u) annotation(Line(points={{-59,60},{-40,60},{-40,0},{-24,0}}, color={0,0,127}));

@@ -26,7 +26,7 @@ package Timing "Examples of single blocks: Timing"
 
   model DacQuantisation "Resolution of the command's converter"
     extends Icons.Example;
-    Piezoloop.Blocks.Timing.DacQuantisation device(resolution = 0.37) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
+    Piezoloop.Blocks.Timing.DacQuantisation device(resolution = 0.37, phase = 0.3) annotation(Placement(transformation(extent={{-20,-20},{20,20}})));
     Sources.Wave wave(scale = 1.0, amplitude = {40.0, 12.0}, frequency = {60.0, 170.0}, step = 0.0001) annotation(Placement(transformation(extent={{-80,50},{-60,70}})));
   equation
     connect(wave.y, device.u) annotation(Line(points={{-59,60},{-40,60},{-40,0},{-24,0}}, color={0,0,127}));

@@ -7,6 +7,14 @@ pub(super) struct Elements<'a> {
     shares: &'a [f64],
 }
 
+/// Moves an element that goes this fraction of the way to u in a period, and returns what its share adds to the output.
+#[inline]
+#[must_use]
+pub fn crept(u: f64, (share, fraction): (f64, f64), z: &mut f64) -> f64 {
+    *z += fraction * (u - *z);
+    share * *z
+}
+
 /// Number of coefficients for this many elements.
 pub(super) fn coefficients(elements: usize) -> usize {
     2 * elements + 1
@@ -35,15 +43,13 @@ impl Elements<'_> {
     /// All elements have reached the input.
     pub(super) fn rest(&self, u: f64, state: &mut [f64]) -> f64 {
         state.fill(u);
-        self.output(u, state)
+        self.shares.iter().fold(self.direct * u, |y, share| y + share * u)
     }
 
     /// One period.
     pub(super) fn step(&self, u: f64, state: &mut [f64]) -> f64 {
-        for (z, fraction) in state.iter_mut().zip(self.fractions) {
-            *z += fraction * (u - *z);
-        }
-        self.output(u, state)
+        let all = state.iter_mut().zip(self.shares).zip(self.fractions);
+        all.fold(self.direct * u, |y, ((z, share), fraction)| y + crept(u, (*share, *fraction), z))
     }
 
     /// One period with the input that leads to the output `y`; returns the input.
@@ -56,10 +62,5 @@ impl Elements<'_> {
         let u = (y - known) / gain;
         self.step(u, state);
         u
-    }
-
-    fn output(&self, u: f64, state: &[f64]) -> f64 {
-        let shares = state.iter().zip(self.shares);
-        shares.fold(self.direct * u, |y, (z, share)| y + share * z)
     }
 }

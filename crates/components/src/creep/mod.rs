@@ -10,6 +10,7 @@ mod inverse_kelvin_voigt;
 mod kelvin_voigt;
 mod logarithmic;
 
+pub use elements::crept;
 pub use fractional::FractionalCreep;
 pub use inverse_kelvin_voigt::InverseKelvinVoigtCreep;
 pub use kelvin_voigt::KelvinVoigtCreep;

@@ -1,11 +1,12 @@
 //! What candidates promise in the first order, from sensitivities that they share.
 
 use nalgebra::{DMatrix, DVector};
+use numerics::least_squares::within;
 
 use super::{Fitter, Work};
 use crate::chain::Chain;
 use crate::error::Failed;
-use crate::normal::{dot, products, within};
+use crate::normal::{dot, products};
 
 /// A chain in the first order about a point.
 pub(crate) struct Linear {

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use data::ComponentBlueprint;
-use model::Extension;
+use model::{Extension, Shape};
 use surround::{Block, Loss, Stepped};
 
 use super::number;
@@ -96,11 +96,11 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
             let kind = if is_sensor { "sensor-second-order" } else { "amplifier-second-order" };
             one(new(kind).value("frequency", frequency).value("damping", damping))
         }
-        // The phase of the steps is not the converter's: it is that of its zero.
-        (Block::Rounding { half }, &[steps, _]) => {
+        (Block::Rounding { half }, &[steps, phase]) => {
             let (kind, factor) =
                 if is_sensor { ("sensor-quantisation", y) } else { ("dac-quantisation", u) };
-            one(new(kind).value("resolution", 2.0 * half / steps / factor))
+            let converter = new(kind).value("resolution", 2.0 * half / steps / factor);
+            one(converter.value("phase", phase))
         }
         // A parabola takes as much off in sum as the logarithm of the formula: ∫ = softness²/6 = π²/6·width².
         (Block::SoftLimitAbove, &[limit, width]) => one(new("amplifier-clamp")
@@ -113,15 +113,6 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
             .value("high", (knee + width) / u)
             .value("softness", (6.0 * 0.1931_f64).sqrt() * width / u)),
         (Block::Gain, &[gain]) => one(new("sensor-scale").value("gain", 1.0 + gain)),
-        // 1 − g + g·M is a pair of poles and zeros with the static gain 1.
-        (Block::ParallelMode, &[gain, frequency, damping]) if gain < 1.0 => {
-            let root = (1.0 - gain).sqrt();
-            one(new("collocated-mode")
-                .value("frequency", frequency)
-                .value("damping", damping)
-                .value("zero_frequency", frequency / root)
-                .value("zero_damping", damping * root))
-        }
         (Block::Polynomial(span), &[square, cubic]) if is_command => {
             one(new("amplifier-nonlinearity")
                 .value("quadratic", square)
@@ -129,10 +120,6 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
                 .value("centre", span.centre / u)
                 .value("half_range", span.half / u))
         }
-        (Block::AgeingGain, &[gain, growth]) => Some(vec![
-            new("sensor-scale").value("gain", 1.0 + gain),
-            new("actuator-ageing").value("per_decade", -growth / (1.0 + gain)).value("age", 0.1),
-        ]),
         // The loss of a loop about the mean: power π/2·loss·capacitance·|ṽ v′| over its mean here.
         (Block::Heating { half, loss: Loss::Loops { mean, .. } }, &[growth, time]) => {
             one(warming(*mean / (u * u), time, o).value("growth", growth * half / y))
@@ -142,7 +129,7 @@ pub(super) fn components(o: &Outcome, piece: &Piece, p: &[f64]) -> Option<Vec<Co
         }
         // What the component reads is the command.
         (Block::FeedThrough { .. }, _) if !piece.of_command => None,
-        (block, p) => creep(block, p).map(|creep| vec![creep]).or_else(|| stepped(o, block, p)),
+        (block, p) => stepped(o, block, p),
     }
 }
 
@@ -152,16 +139,24 @@ fn stepped(o: &Outcome, block: &Block, p: &[f64]) -> Option<Vec<ComponentBluepri
     let span = o.task.data.command_span;
     // A limit on one side has another where no command comes.
     let far = 10.0 * (span.half + span.centre.abs());
-    let all = kernel.components().into_iter().map(|Stepped { component, parameters }| {
-        let declaration = component.declaration();
-        let mut own = ComponentBlueprint::new(declaration.kind);
-        let values = declaration.parameters.iter().zip(parameters);
-        for (quantity, value) in values.filter(|(q, v)| q.start != Some(**v)) {
-            let value = if value.is_finite() { *value } else { far.copysign(*value) };
-            own.set(quantity.name, value / scale_of(o, quantity.unit));
-        }
-        own
-    });
+    let all =
+        kernel.components().into_iter().map(|Stepped { component, structure, parameters }| {
+            let declaration = component.declaration();
+            let (mut own, mut rest) = (ComponentBlueprint::new(declaration.kind), parameters);
+            for (k, quantity) in declaration.parameters.iter().enumerate() {
+                let (values, behind) = rest.split_at(declaration.length(k, structure));
+                rest = behind;
+                let scale = scale_of(o, quantity.unit);
+                let finite = |v: &f64| if v.is_finite() { *v } else { far.copysign(*v) };
+                let mut values: Vec<f64> = values.iter().map(|v| finite(v) / scale).collect();
+                match (quantity.shape, quantity.start) {
+                    (Shape::Scalar, start) if start == values.first().copied() => {}
+                    (Shape::Scalar, _) => values.drain(..).for_each(|v| own.set(quantity.name, v)),
+                    _ => own.set(quantity.name, values),
+                }
+            }
+            own
+        });
     Some(all.collect()).filter(|all: &Vec<_>| !all.is_empty())
 }
 
@@ -175,18 +170,6 @@ fn warming(mean: f64, time: f64, o: &Outcome) -> ComponentBlueprint {
         .value("coefficient", 0.0)
         .value("growth", 0.0)
         .value("averaging", o.task.data.longest())
-}
-
-/// Every formula of creep is a sum of elements.
-fn creep(block: &Block, p: &[f64]) -> Option<ComponentBlueprint> {
-    let mut elements = block.elements(p).ok()??;
-    elements.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let (share, time): (Vec<f64>, Vec<f64>) = elements.into_iter().unzip();
-    Some(
-        ComponentBlueprint::new("kelvin-voigt-creep")
-            .value("share", share)
-            .value("time_constant", time),
-    )
 }
 
 #[cfg(test)]

@@ -198,7 +198,7 @@ mod tests {
     use components::effects;
     use surround::Block;
 
-    use numerics::random::XorshiftStar64;
+    use numerics::random::SplitMix64;
 
     use crate::data_set::{DataSet, RecordRows};
     use crate::formula::{Family, Formula, Free, Slot};
@@ -213,7 +213,7 @@ mod tests {
     fn late(start: f64) -> Synthetic {
         let tone = |k: f64, row: f64| (TAU * k * row / 40.0).sin();
         let command = |row: f64| 10.0 * tone(11.0, row) + 2.0 * tone(3.0, row);
-        let mut random = XorshiftStar64::new(SEED);
+        let mut random = SplitMix64::new(SEED);
         let mut noise = || 0.1 * ((0..12).map(|_| random.uniform()).sum::<f64>() - 6.0);
         let rows = 600;
         let record = RecordRows {

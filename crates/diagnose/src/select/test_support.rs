@@ -9,7 +9,7 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use components::effects;
 use model::Effect;
-use numerics::random::XorshiftStar64;
+use numerics::random::SplitMix64;
 use surround::Block;
 
 use super::*;
@@ -73,7 +73,7 @@ impl Synthetic {
 
     /// A log whose held-out rows show other tones than the fitted ones.
     pub(super) fn shown(fitted: Tones<'_>, held_out: Tones<'_>, columns: &[Tones<'_>]) -> Self {
-        let mut random = XorshiftStar64::new(3);
+        let mut random = SplitMix64::new(3);
         let mut noise = || (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
         let over = |tones: Tones<'_>| (0..ROWS).map(|k| sum(tones, k)).collect::<Vec<_>>();
         let command = over(&[(COMMAND, 10.0)]);

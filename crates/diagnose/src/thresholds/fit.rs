@@ -28,8 +28,6 @@ impl Thresholds {
     pub(crate) const MOST_EFFECTIVE: f64 = 4000.0;
     /// Changes by which the number of steps of a converter is settled, in steps.
     pub(crate) const STEP_DISTANCES: [f64; 6] = [0.16, 0.08, 0.04, 0.02, 0.01, 0.005];
-    /// Rounds in which more parameters are held at their bounds.
-    pub(crate) const BOUND_ROUNDS: usize = 4;
     /// Length in s of the blocks that a robust fit weighs.
     pub(crate) const ROBUST_BLOCK: f64 = 0.05;
     /// Least rows of such a block.

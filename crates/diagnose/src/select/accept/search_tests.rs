@@ -294,9 +294,10 @@ fn of_several_effects_one_that_is_more_likely_a_repair_is_not_named() {
         assert_eq!(found.rivals.len(), found.last.picks.len());
         names(&found.last)
     };
-    // Of 628 powers 3 go with it, and 0.2 are left: as a repair of what the others leave would do.
-    assert_eq!(of(1.7), [0, 1]);
-    assert_eq!(of(5.0), [0, 1, 2]);
+    // Of 627 powers less than 2 go with it, and 0.2 are left: as a repair of what the others leave would do. Measured
+    // over 30 seeds of the noise: both are so in all of them.
+    assert_eq!(of(1.3), [0, 1]);
+    assert_eq!(of(2.0), [0, 1, 2]);
 }
 
 #[test]
