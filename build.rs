@@ -10,8 +10,8 @@ use std::process::Command;
 
 /// Package, library name, and the variable that overrides and passes on its path.
 const LIBRARIES: [(&str, &str, &str); 2] = [
-    ("piezoloop-fmu-blueprint", "piezoloop_blueprint", "PIEZOLOOP_BLUEPRINT_LIBRARY"),
-    ("piezoloop-fmu-wrap", "piezoloop_wrap", "PIEZOLOOP_WRAP_LIBRARY"),
+    ("piezoloop-fmu-blueprint", "piezoloop_fmu_blueprint", "PIEZOLOOP_BLUEPRINT_LIBRARY"),
+    ("piezoloop-fmu-wrap", "piezoloop_fmu_wrap", "PIEZOLOOP_WRAP_LIBRARY"),
 ];
 
 /// Set by the outer Cargo; inherited they would make the nested one use its folders or wrappers.

@@ -8,11 +8,11 @@ pub(crate) struct Library {
 
 /// The library of every packed blueprint, plant or controller.
 pub(crate) const BLUEPRINT: Library =
-    Library { bytes: include_bytes!(concat!(env!("OUT_DIR"), "/piezoloop_blueprint.zip")) };
+    Library { bytes: include_bytes!(concat!(env!("OUT_DIR"), "/piezoloop_fmu_blueprint.zip")) };
 
 /// The repaired FMU's library.
 pub(crate) const WRAP: Library =
-    Library { bytes: include_bytes!(concat!(env!("OUT_DIR"), "/piezoloop_wrap.zip")) };
+    Library { bytes: include_bytes!(concat!(env!("OUT_DIR"), "/piezoloop_fmu_wrap.zip")) };
 
 /// The FMI 2.0 folder of the platform that the tool was built for.
 pub(crate) const PLATFORM: &str = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {

@@ -110,7 +110,7 @@ fn the_address_sanitizer_finds_no_wrong_access_and_no_leak() {
         let hosts = sources.map(|source| Host::sanitized(source).expect("as the first"));
         for blueprint in BOTH {
             let fmu = Packed::new(blueprint, version);
-            fmu.exchange_library(&libraries.join("libpiezoloop_blueprint.so"));
+            fmu.exchange_library(&libraries.join("libpiezoloop_fmu_blueprint.so"));
             lives(&fmu, version, "300", &hosts, Host::run);
             if version == "2" {
                 let host = Host::sanitized("life.c").expect("as the first");

@@ -254,7 +254,7 @@ fn a_library_that_is_given_takes_the_place_of_the_tools_own() {
         for platform in ["all/linux64", "all/notes"] {
             let place = folder.path().join(platform);
             std::fs::create_dir_all(&place).expect("the folder is writable");
-            std::fs::write(place.join("libpiezoloop_blueprint.so"), &other).expect("written");
+            std::fs::write(place.join("libpiezoloop_fmu_blueprint.so"), &other).expect("written");
         }
         let arguments = ["pack", blueprint, "--fmi", version, "--libraries", "all", "-o", "y.fmu"];
         succeed(&arguments, folder.path());
@@ -267,11 +267,11 @@ fn a_library_that_is_given_takes_the_place_of_the_tools_own() {
         refuse(&["pack", PLANT, "--libraries", libraries, "-o", "z.fmu"], folder.path())
     };
     assert!(refused("none").contains("no such folder"));
-    assert!(refused("all/notes").contains("no library piezoloop_blueprint"));
+    assert!(refused("all/notes").contains("no library piezoloop_fmu_blueprint"));
     // Told before the work: there is no such log either.
     let diagnose = ["diagnose", "--model", "y.fmu", "--log", "no.csv", "--repair", "r.fmu"];
     let error = refuse(&[&diagnose[..], &["--libraries", "all"]].concat(), folder.path());
-    assert!(error.contains("no library piezoloop_wrap"), "{error}");
+    assert!(error.contains("no library piezoloop_fmu_wrap"), "{error}");
 }
 
 #[test]
@@ -285,11 +285,11 @@ fn a_library_that_would_not_serve_is_refused() {
         (
             "linux64",
             env!("PIEZOLOOP_WRAP_LIBRARY").to_owned(),
-            ["piezoloop_wrap", "piezoloop_blueprint"],
+            ["piezoloop_fmu_wrap", "piezoloop_fmu_blueprint"],
         ),
         ("win64", path(&plant.library()), ["Elf", "not PE for x86_64"]),
         ("aarch64-linux", path(&plant.library()), ["X86_64", "not ELF for aarch64"]),
-        ("linux64", path(&trivial), ["no library of Piezoloop", "piezoloop_blueprint"]),
+        ("linux64", path(&trivial), ["no library of Piezoloop", "piezoloop_fmu_blueprint"]),
         ("linux64", path(&plant.file), ["no library", "shared library"]),
     ] {
         let binary = format!("{platform}={file}");

@@ -20,7 +20,7 @@ use crate::{documentation, inputs, libraries, ports};
 /// The tool contains the shared library of the FMU; no compiler is needed.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_blueprint.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack p1 --fmi 3 --ports mechanical,electrical --port-value 'capacitance=2.1 uF' -o p1.fmu\n  piezoloop pack evc --sources=only -o evc.fmu\n  piezoloop pack evc --fmi 3 --wasm -o evc.fmu"
+    after_help = "Examples:\n  piezoloop pack plant.toml -o plant.fmu\n  piezoloop pack evc -o evc.fmu\n  piezoloop pack plant.toml --binary win64=piezoloop_fmu_blueprint.dll -o plant.fmu\n  piezoloop pack evc --libraries target/portable -o evc.fmu\n  piezoloop pack p1 --fmi 3 --ports mechanical,electrical --port-value 'capacitance=2.1 uF' -o p1.fmu\n  piezoloop pack evc --sources=only -o evc.fmu\n  piezoloop pack evc --fmi 3 --wasm -o evc.fmu"
 )]
 pub(crate) struct Pack {
     /// A blueprint file, or the name of a rig

@@ -57,7 +57,7 @@ impl Binary {
     /// Reads `PLATFORM=FILE`.
     pub(crate) fn read(text: &str) -> anyhow::Result<Self> {
         let Some((name, file)) = text.split_once('=') else {
-            bail!("--binary {text}: write PLATFORM=FILE, as in win64=piezoloop_blueprint.dll");
+            bail!("--binary {text}: write PLATFORM=FILE, as in win64=piezoloop_fmu_blueprint.dll");
         };
         let Some(platform) = Platform::from_name(name) else {
             bail!(

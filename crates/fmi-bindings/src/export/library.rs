@@ -15,8 +15,8 @@ impl Library {
     /// Its file's name is this, after the platform's prefix and before its extension.
     pub fn stem(self) -> &'static str {
         match self {
-            Self::Blueprint => "piezoloop_blueprint",
-            Self::Wrap => "piezoloop_wrap",
+            Self::Blueprint => "piezoloop_fmu_blueprint",
+            Self::Wrap => "piezoloop_fmu_wrap",
         }
     }
 
