@@ -32,8 +32,8 @@ fn sources(root: &Path, vendor: &Path) {
             name.to_uppercase()
         );
         let manifest = format!(
-            "[package]\nname = \"{package}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\nname = \
-             \"piezoloop_{name}\"\ncrate-type = [\"cdylib\"]\n[dependencies]\nleaf = \"1\"\n"
+            "[package]\nname = \"{package}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\n\
+             crate-type = [\"cdylib\"]\n[dependencies]\nleaf = \"1\"\n"
         );
         write(root.join(format!("fmu-{name}/Cargo.toml")), &manifest);
         let code = concat!(
