@@ -1,12 +1,14 @@
 //! Axes that couplings join, once each is diagnosed: whether the gap lies behind their coupling, and what moves several
 //! of their readings.
 
+mod same_box;
 mod together;
 
 use std::sync::atomic::AtomicU64;
 
 use surround::Span;
 
+pub(crate) use self::same_box::with_hints_of_others;
 pub(crate) use self::together::together;
 use crate::candidate::has_gap;
 use crate::chain::{Bench, Horizon};
@@ -129,6 +131,13 @@ fn cost_of_readings(readings: &[Outcome]) -> f64 {
         effective(o) * square.max(1.0).ln()
     };
     readings.iter().map(|o| left(o) + needed(o)).sum()
+}
+
+/// What an answer leaves and needs for it, in twice the negative logarithm of a likelihood.
+fn cost(o: &Outcome) -> f64 {
+    let judged = &o.found.last.judged;
+    let left = (0.5 * (judged.training + judged.held_out)).max(1.0) * o.sigma.powi(2);
+    effective(o) * left.ln() + needed(o)
 }
 
 fn effective(o: &Outcome) -> f64 {

@@ -264,8 +264,9 @@ fn outcomes(
     let (mut outcomes, mut fresh) = (Vec::with_capacity(total), Vec::with_capacity(total));
     for (number, task) in tasks.into_iter().enumerate() {
         observer.progress("diagnose", number, total);
-        fresh.push(task.base.joint().map(|_| task.clone()));
         let boxes = task.base.black_boxes();
+        let is_joined = task.base.joint().is_some() || !boxes.is_empty();
+        fresh.push((total > 1 && is_joined).then(|| task.clone()));
         let outcome = pool.install(|| course::settled(task, request, count));
         // Without its FMU a search finds nothing; what it says of that is no answer.
         boxes.iter().try_for_each(black_box::BlackBox::is_alive)?;
@@ -276,6 +277,7 @@ fn outcomes(
         );
     }
     pool.install(|| coupled::together(&mut outcomes, &fresh, request, count))?;
+    pool.install(|| coupled::with_hints_of_others(&mut outcomes, &fresh, request, count));
     pool.install(|| coupled::in_readings(&mut outcomes, request, count))?;
     observer.progress("diagnose", total, total);
     Ok(outcomes)

@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicU64;
 
 use surround::Block;
 
-use super::{effective, needed};
+use super::{cost, effective};
 use crate::base::{Base, Hint};
 use crate::candidate::{Candidate, carried, has_gap};
 use crate::chain::{self, Chain, Front};
@@ -258,11 +258,4 @@ fn hint(o: &Outcome) -> Option<Hint> {
 /// Mean square over the noise's, on fitted and held-out rows alike.
 fn left(judged: &Judged) -> f64 {
     (0.5 * (judged.training + judged.held_out)).max(1.0)
-}
-
-/// What an answer leaves and needs for it, in twice the negative logarithm of a likelihood.
-fn cost(o: &Outcome) -> f64 {
-    let best: &Candidate = &o.found.last;
-    let left = left(&best.judged) * o.sigma.powi(2);
-    effective(o) * left.ln() + needed(o)
 }
