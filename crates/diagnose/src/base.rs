@@ -62,7 +62,7 @@ pub(crate) enum Part {
     Reading(usize),
 }
 
-/// What another reading shows of a coupling of several axes.
+/// What another reading shows of the model that both share.
 #[derive(Clone, Debug)]
 pub(crate) struct Hint {
     /// Coordinates of parameters of the model, by name.

@@ -10,6 +10,7 @@ use surround::Span;
 
 pub(crate) use self::same_box::with_hints_of_others;
 pub(crate) use self::together::together;
+use crate::base::Hint;
 use crate::candidate::has_gap;
 use crate::chain::{Bench, Horizon};
 use crate::data_set::Auxiliary;
@@ -17,7 +18,7 @@ use crate::error::Error;
 use crate::fit::Fitter;
 use crate::outcome::Outcome;
 use crate::request::Request;
-use crate::score::mean_square;
+use crate::score::{Judged, mean_square};
 use crate::stages;
 use crate::task::Coupled;
 
@@ -135,9 +136,25 @@ fn cost_of_readings(readings: &[Outcome]) -> f64 {
 
 /// What an answer leaves and needs for it, in twice the negative logarithm of a likelihood.
 fn cost(o: &Outcome) -> f64 {
-    let judged = &o.found.last.judged;
-    let left = (0.5 * (judged.training + judged.held_out)).max(1.0) * o.sigma.powi(2);
+    let left = left(&o.found.last.judged) * o.sigma.powi(2);
     effective(o) * left.ln() + needed(o)
+}
+
+/// Mean square over the noise's, on fitted and held-out rows alike.
+fn left(judged: &Judged) -> f64 {
+    (0.5 * (judged.training + judged.held_out)).max(1.0)
+}
+
+/// What a reading shows of the model: the parameters that its effects release, and this frequency of a mode; none where
+/// it shows nothing.
+fn shown(o: &Outcome, frequency: Option<f64>) -> Option<Hint> {
+    let last = &o.found.last;
+    let values = o.released(last).into_iter().filter_map(|k| {
+        let name = &o.task.base.parameters[k].name;
+        Some((name.clone(), last.fit.theta[last.chain.own(name)?]))
+    });
+    let hint = Hint { released: values.collect(), frequency };
+    (!hint.released.is_empty() || hint.frequency.is_some()).then_some(hint)
 }
 
 fn effective(o: &Outcome) -> f64 {

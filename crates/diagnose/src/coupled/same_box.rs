@@ -3,7 +3,7 @@
 
 use std::sync::atomic::AtomicU64;
 
-use super::cost;
+use super::{cost, shown};
 use crate::base::Hint;
 use crate::candidate::has_gap;
 use crate::course;
@@ -44,16 +44,9 @@ fn is_box(o: &Outcome) -> bool {
 
 /// What an output of a black box shows of the box itself.
 fn hint(o: &Outcome) -> Option<Hint> {
-    let last = &o.found.last;
-    let values = o.released(last).into_iter().filter_map(|k| {
-        let name = &o.task.base.parameters[k].name;
-        Some((name.clone(), last.fit.theta[last.chain.own(name)?]))
-    });
-    let released: Vec<(String, f64)> = values.collect();
-    let frequency = o.effects(last).find_map(|(_, formula, values)| {
+    let frequency = o.effects(&o.found.last).find_map(|(_, formula, values)| {
         let at = formula.parameters.iter().position(|p| p.name == "frequency" && p.unit == "Hz")?;
         Some(values[at])
     });
-    let is_hint = is_box(o) && (!released.is_empty() || frequency.is_some());
-    is_hint.then_some(Hint { released, frequency })
+    shown(o, frequency).filter(|_| is_box(o))
 }

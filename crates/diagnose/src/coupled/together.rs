@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicU64;
 
 use surround::Block;
 
-use super::{cost, effective};
+use super::{cost, effective, left, shown};
 use crate::base::{Base, Hint};
 use crate::candidate::{Candidate, carried, has_gap};
 use crate::chain::{self, Chain, Front};
@@ -19,7 +19,6 @@ use crate::formula::Formula;
 use crate::gap::Verdict;
 use crate::outcome::{Original, Outcome};
 use crate::request::Request;
-use crate::score::Judged;
 use crate::task::Task;
 use crate::thresholds::search::Thresholds;
 
@@ -243,19 +242,6 @@ fn front(o: &Outcome) -> Option<Front> {
 fn hint(o: &Outcome) -> Option<Hint> {
     let last = &o.found.last;
     let (_, joint) = chain::joint(&last.chain.nodes)?;
-    let released = o.released(last);
-    let values = released.iter().filter_map(|k| {
-        let name = &o.task.base.parameters[*k].name;
-        let at = last.chain.own(name)?;
-        Some((name.clone(), last.fit.theta[at]))
-    });
     let mode = joint.mode_values(&last.chain.parameters, &last.fit.theta);
-    let frequency = mode.iter().rev().nth(1).copied();
-    let hint = Hint { released: values.collect(), frequency };
-    (!hint.released.is_empty() || hint.frequency.is_some()).then_some(hint)
-}
-
-/// Mean square over the noise's, on fitted and held-out rows alike.
-fn left(judged: &Judged) -> f64 {
-    (0.5 * (judged.training + judged.held_out)).max(1.0)
+    shown(o, mode.iter().rev().nth(1).copied())
 }

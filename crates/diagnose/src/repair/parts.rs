@@ -148,10 +148,11 @@ fn stepped(o: &Outcome, block: &Block, p: &[f64]) -> Option<Vec<ComponentBluepri
                 rest = behind;
                 let scale = scale_of(o, quantity.unit);
                 let finite = |v: &f64| if v.is_finite() { *v } else { far.copysign(*v) };
-                let mut values: Vec<f64> = values.iter().map(|v| finite(v) / scale).collect();
-                match (quantity.shape, quantity.start) {
-                    (Shape::Scalar, start) if start == values.first().copied() => {}
-                    (Shape::Scalar, _) => values.drain(..).for_each(|v| own.set(quantity.name, v)),
+                let values: Vec<f64> = values.iter().map(|v| finite(v) / scale).collect();
+                let is_scalar = matches!(quantity.shape, Shape::Scalar);
+                match values[..] {
+                    [value] if is_scalar && quantity.start == Some(value) => {}
+                    [value] if is_scalar => own.set(quantity.name, value),
                     _ => own.set(quantity.name, values),
                 }
             }
